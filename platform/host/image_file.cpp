@@ -1,0 +1,246 @@
+#include "platform/host/image_file.hpp"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string_view>
+
+#include "platform/host/error.hpp"
+#include "platform/host/image_module.hpp"
+#include "platform/host/image_signature.hpp"
+#include "platform/host/input_file.hpp"
+#include "platform/host/output_file.hpp"
+
+namespace aluminate::host {
+namespace {
+
+namespace fs = std::filesystem;
+using image_module::Failure;
+
+constexpr const char* kModuleFile = "libaluminate_image_module.so";
+
+// Beside the program first, so that an installed or copied build never picks up another build's module.
+std::vector<fs::path> module_places() {
+  std::vector<fs::path> places;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    places.push_back(program.parent_path() / kModuleFile);
+    places.push_back(program.parent_path().parent_path() / "lib" / "aluminate" / kModuleFile);
+  }
+  places.push_back(fs::path(ALUMINATE_IMAGE_MODULE_DIR) / kModuleFile);
+  return places;
+}
+
+const image_module::Interface* load_module() {
+  std::string reasons;
+  for (const fs::path& place : module_places()) {
+    std::error_code error;
+    if (!fs::exists(place, error)) continue;
+    void* library = ::dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) {
+      reasons += fmt::format("{}{}", reasons.empty() ? ": " : "; ", ::dlerror());
+      continue;
+    }
+    const auto entry = reinterpret_cast<image_module::Entry>(::dlsym(library, image_module::kEntrySymbol));
+    const image_module::Interface* module = entry != nullptr ? entry() : nullptr;
+    if (module != nullptr && module->version == image_module::kInterfaceVersion) return module;
+    reasons += fmt::format("{}{} is of another version", reasons.empty() ? ": " : "; ", place.string());
+  }
+  throw UserError(fmt::format("cannot open {}, which reads and writes images{}", kModuleFile, reasons),
+                  "it belongs beside the program; building the project puts it there");
+}
+
+// Stays open until the end: its library starts threads and statics that cannot be unloaded safely.
+const image_module::Interface& module() {
+  static const image_module::Interface* const loaded = load_module();  // a throw leaves it to the next call
+  return *loaded;
+}
+
+struct CloseReader {
+  void operator()(image_module::Reader* reader) const { module().close(reader); }
+};
+using ReaderHandle = std::unique_ptr<image_module::Reader, CloseReader>;
+
+struct OpenImage {
+  ReaderHandle reader;
+  image_module::Facts facts{};
+  std::size_t texel_count() const {
+    return static_cast<std::size_t>(facts.width) * static_cast<std::size_t>(facts.height);
+  }
+};
+
+[[noreturn]] void refuse(const std::string& name, const std::string& what, std::string hint = {}) {
+  throw UserError({name}, what, std::move(hint));
+}
+
+void check_size(const std::string& name, const image_module::Facts& facts) {
+  const std::int64_t texels = std::int64_t{facts.width} * facts.height;  // both are int32: the product fits
+  if (facts.width < 1 || facts.height < 1 || facts.channels < 1 || facts.depth != 1) {
+    refuse(name, fmt::format("expected a flat image, found {} x {} x {} texels of {} channels", facts.width,
+                             facts.height, facts.depth, facts.channels));
+  }
+  if (facts.width > kMaxImageSidePx || facts.height > kMaxImageSidePx || texels > kMaxImageTexels) {
+    refuse(name, fmt::format("the image has {} x {} texels, the limit is {} a side and {} in all", facts.width,
+                             facts.height, kMaxImageSidePx, kMaxImageTexels));
+  }
+  if (facts.channels > kMaxImageChannels || texels * facts.channels > kMaxImageSamples) {
+    refuse(name, fmt::format("the image has {} channels of {} x {} texels, the limit is {} channels and {} values",
+                             facts.channels, facts.width, facts.height, kMaxImageChannels, kMaxImageSamples));
+  }
+}
+
+OpenImage open_image(std::span<const std::uint8_t> encoded, const std::string& name) {
+  const char* format = image_format(encoded, name);
+  if (format == nullptr) {
+    refuse(name, "expected a PNG, JPEG, TIFF, OpenEXR, Radiance HDR, BMP or TGA image, found other data",
+           "convert the image to PNG or OpenEXR");
+  }
+  if (is_cut_off(encoded, format)) refuse(name, fmt::format("the {} image is truncated", format));
+  OpenImage image;
+  Failure failure{};
+  image.reader.reset(module().open(format, encoded.data(), encoded.size(), &image.facts, &failure));
+  if (!image.reader) refuse(name, fmt::format("cannot read the {} image: {}", format, failure.text));
+  check_size(name, image.facts);
+  if (image.facts.sample == image_module::Sample::Other) {
+    refuse(name, "expected 8 or 16 bit unsigned or floating point channels, found another type");
+  }
+  return image;
+}
+
+void check_texels(const Image8& image) {
+  ALU_CHECK(image.channels == 3 || image.channels == 4, "{} channels", image.channels);
+  ALU_CHECK(image.width > 0 && image.height > 0, "{} x {}", image.width, image.height);
+  const std::size_t expected = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+                               static_cast<std::size_t>(image.channels);
+  ALU_CHECK(image.texels.size() == expected, "{} bytes, expected {}", image.texels.size(), expected);
+}
+
+std::vector<image_module::Pair> pairs_of(const ImageMetadata& metadata) {
+  std::vector<image_module::Pair> pairs;
+  for (const auto& [name, value] : metadata) pairs.push_back({name.c_str(), value.c_str()});
+  return pairs;
+}
+
+void append_bytes(void* context, const std::uint8_t* bytes, std::size_t count) {
+  static_cast<std::vector<std::uint8_t>*>(context)->assign(bytes, bytes + count);
+}
+
+}  // namespace
+
+int ImageFloat::channel(std::string_view name) const {
+  const auto found = std::find(channels.begin(), channels.end(), name);
+  return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
+}
+
+Image8 decode_rgba8(std::span<const std::uint8_t> encoded, const std::string& name) {
+  const OpenImage open = open_image(encoded, name);
+  if (open.facts.sample == image_module::Sample::Float) {
+    refuse(name, "expected an image of 8 or 16 bit codes, found floating point values", "convert it to PNG");
+  }
+  Image8 image{open.facts.width, open.facts.height, 4, std::vector<std::uint8_t>(open.texel_count() * 4)};
+  Failure failure{};
+  if (!module().read_rgba8(open.reader.get(), image.texels.data(), &failure)) {
+    refuse(name, fmt::format("cannot read the image: {}", failure.text));
+  }
+  return image;
+}
+
+ImageFloat decode_float(std::span<const std::uint8_t> encoded, const std::string& name) {
+  const OpenImage open = open_image(encoded, name);
+  ImageFloat image;
+  image.width = open.facts.width;
+  image.height = open.facts.height;
+  image.orientation = std::clamp(open.facts.orientation, 1, 8);
+  image.stored = open.facts.sample == image_module::Sample::Unorm8    ? StoredAs::Unorm8
+                 : open.facts.sample == image_module::Sample::Unorm16 ? StoredAs::Unorm16
+                                                                      : StoredAs::Float;
+  for (int i = 0; i < open.facts.channels; ++i) {
+    image.channels.emplace_back(module().channel_name(open.reader.get(), i));
+  }
+  image.texels.resize(open.texel_count() * image.channels.size());
+  Failure failure{};
+  if (!module().read_float(open.reader.get(), image.texels.data(), &failure)) {
+    refuse(name, fmt::format("cannot read the image: {}", failure.text));
+  }
+  return image;
+}
+
+ImageFloat read_image(const std::string& path) { return decode_float(read_bytes(path), path); }
+Image8 read_image_rgba8(const std::string& path) { return decode_rgba8(read_bytes(path), path); }
+
+std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata) {
+  check_texels(image);
+  const std::vector<image_module::Pair> pairs = pairs_of(metadata);
+  std::vector<std::uint8_t> bytes;
+  Failure failure{};
+  const bool good = module().encode_png(image.width, image.height, image.channels, image.texels.data(), pairs.data(),
+                                        pairs.size(), append_bytes, &bytes, &failure);
+  ALU_CHECK(good, "PNG encoder: {}", failure.text);
+  return bytes;
+}
+
+std::vector<std::uint8_t> encode_exr(int width, int height, std::span<const ExrLayer> layers,
+                                     const ImageMetadata& metadata) {
+  ALU_CHECK(width > 0 && height > 0 && !layers.empty(), "{} x {}, {} layers", width, height, layers.size());
+  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  std::vector<image_module::Layer> plain;
+  std::set<std::string_view> names;
+  for (const ExrLayer& layer : layers) {
+    const bool is_float = std::holds_alternative<std::span<const float>>(layer.values);
+    const std::size_t count = std::visit([](const auto& values) { return values.size(); }, layer.values);
+    ALU_CHECK(count == texels, "layer {} has {} values, expected {}", layer.name, count, texels);
+    ALU_CHECK(!layer.name.empty() && names.insert(layer.name).second, "layer name '{}'", layer.name);
+    ALU_CHECK(is_float || !layer.as_half, "layer {}: integers are stored as 32 bits", layer.name);
+    plain.push_back({layer.name.c_str(), is_float ? std::get<0>(layer.values).data() : nullptr,
+                     is_float ? nullptr : std::get<1>(layer.values).data(), layer.as_half});
+  }
+  const std::vector<image_module::Pair> pairs = pairs_of(metadata);
+  std::vector<std::uint8_t> bytes;
+  Failure failure{};
+  const bool good = module().encode_exr(width, height, plain.data(), plain.size(), pairs.data(), pairs.size(),
+                                        append_bytes, &bytes, &failure);
+  ALU_CHECK(good, "EXR encoder: {}", failure.text);
+  return bytes;
+}
+
+void write_png(const std::string& path, const Image8& image, const ImageMetadata& metadata) {
+  OutputFile file(path);  // before the encoding: an unwritable place is known at once
+  file.write(encode_png(image, metadata));
+  file.commit();
+}
+
+void write_exr(const std::string& path, int width, int height, std::span<const ExrLayer> layers,
+               const ImageMetadata& metadata) {
+  OutputFile file(path);
+  file.write(encode_exr(width, height, layers, metadata));
+  file.commit();
+}
+
+bool text_available() {
+  std::error_code error;
+  return *ALUMINATE_FONT_FILE != '\0' && fs::exists(ALUMINATE_FONT_FILE, error);
+}
+
+void draw_text(Image8& image, int x, int y, const std::string& text, int size, Rgb8 colour) {
+  check_texels(image);
+  if (text.empty() || !text_available()) return;
+  const float rgb[3] = {static_cast<float>(colour.r) / 255.0f, static_cast<float>(colour.g) / 255.0f,
+                        static_cast<float>(colour.b) / 255.0f};
+  Failure failure{};
+  // A legend without its text is still a picture: a font that cannot be used is no error.
+  (void)module().draw_text(image.width, image.height, image.channels, image.texels.data(), x, y, text.c_str(), size, rgb,
+                           ALUMINATE_FONT_FILE, &failure);
+}
+
+int text_width(const std::string& text, int size) {
+  if (text.empty() || !text_available()) return 0;
+  return std::max(module().text_width(text.c_str(), size, ALUMINATE_FONT_FILE), 0);
+}
+
+}  // namespace aluminate::host
