@@ -1,0 +1,81 @@
+// The tile stage: one 64x64 tile at a time, on one worker. In: a Frame. Out: which triangle is visible at each pixel of the
+// opaque draws, D24 depth, the bill, and batches of in-order quads for the shader. Owns depth; colour belongs to the
+// caller. Usage per tile: begin, draw_opaque, (shade view()'s visible quads), draw_in_order, (read depth).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rasterizer/bill.hpp"
+#include "rasterizer/frame.hpp"
+#include "rasterizer/skip.hpp"
+
+namespace aluminate::raster {
+
+struct TileOptions {
+  BillRule bill{};
+  SkipSet skips{};
+};
+
+/// A tile's pixels, stamp by stamp: element 16 stamp + lane (bill.hpp gives the order). Pixels outside the viewport are
+/// never covered: visibility kNoTriangle; their depth is meaningless.
+struct TileView {
+  TileOrigin origin{};
+  int width = 0, height = 0;                   // pixels inside the viewport, 1 .. 64
+  std::span<const TriangleId, kTilePixels> visibility;
+  std::span<const std::uint32_t, kTilePixels> depth;  // D24, cleared to kDepthMax
+
+  static constexpr int element(int x, int y) { return stamp_of(x, y) * 16 + lane_of(x, y); }  // x, y tile-relative
+};
+
+/// Up to 16 quads of one InOrder draw. Lane l of quad q is bit / element 4 q + l. A quad position may occur more than once
+/// in a batch, from different triangles: their visible pixels are then disjoint, so lanes never depend on one another.
+struct QuadBatch {
+  std::uint32_t draw = 0;
+  int count = 0;                               // quads, 1 .. 16
+  std::array<TriangleId, kBatchQuads> triangle{};
+  std::array<std::uint16_t, kBatchQuads> x{}, y{};  // absolute pixel of lane 0, even
+  std::uint64_t visible = 0;                   // covered, inside the viewport and nearer than the stored depth
+  std::uint64_t billed = 0;                    // covered lanes on the bill (0 in quads the console rejects or with the bill
+                                               // off); helpers of a billed quad are its other lanes
+  alignas(64) std::array<std::uint32_t, kBatchLanes> depth{};  // D24; meaningless in lanes not covered
+};
+
+/// The caller's shader for InOrder draws. Runs 64 lanes, writes colour for the lanes it keeps.
+class QuadShader {
+ public:
+  virtual ~QuadShader() = default;
+  /// Returns the lanes that survive (alpha test); only visible ones count. Their depth is written when the draw says so.
+  virtual std::uint64_t shade(const QuadBatch& batch) = 0;
+};
+
+class TileRasterizer {
+ public:
+  /// frame must outlive the rasterizer. Bill blocks other than 4, 8, 16 px: InternalError.
+  TileRasterizer(const Frame& frame, const TileOptions& options);
+  ~TileRasterizer();
+  TileRasterizer(TileRasterizer&&) noexcept;
+
+  /// Clears the tile's depth to kDepthMax and its visibility to kNoTriangle.
+  void begin(int tile);
+  /// All Opaque draws. bill may be null (then no bill is made, as with Kind::Off); the same for draw_in_order.
+  void draw_opaque(BillSink* bill);
+  /// All InOrder draws, after draw_opaque. Each pixel sees its triangles in submission order; quads of different triangles
+  /// and of the same draw share batches as long as their pixels are disjoint.
+  void draw_in_order(QuadShader& shader, BillSink* bill);
+
+  TileView view() const;
+  const TileCounters& counters() const;        // since construction
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Copies the tile's depth into a row-major image of the frame's viewport.
+void store_depth(const TileView& tile, std::span<std::uint32_t> image, int image_width);
+
+}  // namespace aluminate::raster
