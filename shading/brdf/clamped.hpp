@@ -1,5 +1,6 @@
 // The clamped dot product of the sources (underlined there): every cosine enters a term in [0, 1].
-// In: any double, also NaN. Out: [0, 1], never NaN, so that no reference value can be NaN for a finite material.
+// In: any double, also NaN. Out: [0, 1], never NaN, so that no reference value can be NaN for a finite
+// material.
 #pragma once
 
 namespace aluminate::brdf {

@@ -1,5 +1,6 @@
-// Fresnel reflectance in three spellings, each F = cspec + (1 - cspec) w(h.v) with w falling from 1 at grazing incidence.
-// In: cspec (linear, [0, 1]) and h.v. Out: [cspec, 1]. Variants are rows of kFresnelTerms: to add one, add a row.
+// Fresnel reflectance in three spellings, each F = cspec + (1 - cspec) w(h.v) with w falling from 1 at
+// grazing incidence. In: cspec (linear, [0, 1]) and h.v. Out: [cspec, 1]. Variants are rows of kFresnelTerms:
+// to add one, add a row.
 #pragma once
 
 #include <array>
@@ -21,13 +22,15 @@ enum class Fresnel : std::uint8_t { Schlick, Sg, SgLagarde };
   return x2 * x2 * x;
 }
 
-/// [Lagarde12] [McAuley12] w = exp(-6 h.v), a spherical Gaussian. w(0) = 1, but w(1) = 0.00248: head-on F is 6% above
-/// cspec = 0.04. Against Schlick at cspec = 0.04: 0.040 darker near h.v = 0.11, 33% brighter near h.v = 0.61. Shader cost:
-/// mul, exp2, mad, with -6 log2(e) = -8.65617 as the constant.
-[[nodiscard]] inline double fresnel_weight_sg(double h_dot_v) noexcept { return std::exp(-6.0 * clamped(h_dot_v)); }
+/// [Lagarde12] [McAuley12] w = exp(-6 h.v), a spherical Gaussian. w(0) = 1, but w(1) = 0.00248: head-on F is
+/// 6% above cspec = 0.04. Against Schlick at cspec = 0.04: 0.040 darker near h.v = 0.11, 33% brighter near
+/// h.v = 0.61. Shader cost: mul, exp2, mad, with -6 log2(e) = -8.65617 as the constant.
+[[nodiscard]] inline double fresnel_weight_sg(double h_dot_v) noexcept {
+  return std::exp(-6.0 * clamped(h_dot_v));
+}
 
-/// [Lagarde12] w = 2^((-5.55473 h.v - 6.98316) h.v), the better fit. w(0) = 1, w(1) = 0.000168. Shader cost: mad, mul, exp2,
-/// mad.
+/// [Lagarde12] w = 2^((-5.55473 h.v - 6.98316) h.v), the better fit. w(0) = 1, w(1) = 0.000168. Shader cost:
+/// mad, mul, exp2, mad.
 [[nodiscard]] inline double fresnel_weight_sg_lagarde(double h_dot_v) noexcept {
   const double x = clamped(h_dot_v);
   return std::exp2((-5.55473 * x - 6.98316) * x);
@@ -60,8 +63,8 @@ inline constexpr std::array<FresnelTerm, 3> kFresnelTerms{{
   return std::nullopt;
 }
 
-/// F = cspec + (1 - cspec) w(h.v). F(h.v = 0) = 1 in every variant: c + (1 - c) is exactly 1 for c in [0, 1] in binary64 up
-/// to one rounding. h.v = h.l, so the term is symmetric in light and view.
+/// F = cspec + (1 - cspec) w(h.v). F(h.v = 0) = 1 in every variant: c + (1 - c) is exactly 1 for c in [0, 1]
+/// in binary64 up to one rounding. h.v = h.l, so the term is symmetric in light and view.
 [[nodiscard]] inline double fresnel(Fresnel variant, double cspec, double h_dot_v) noexcept {
   return cspec + (1.0 - cspec) * term(variant).weight(h_dot_v);
 }

@@ -9,8 +9,8 @@
 
 namespace aluminate::brdf {
 
-/// [IEC61966-2-1] Stored value to linear: s / 12.92 up to 0.04045, then ((s + 0.055) / 1.055)^2.4. Odd continuation below 0.
-/// The two pieces meet within 3e-8 (the standard's constants are rounded).
+/// [IEC61966-2-1] Stored value to linear: s / 12.92 up to 0.04045, then ((s + 0.055) / 1.055)^2.4. Odd
+/// continuation below 0. The two pieces meet within 3e-8 (the standard's constants are rounded).
 [[nodiscard]] inline double srgb_to_linear(double stored) noexcept {
   if (stored < 0.0) return -srgb_to_linear(-stored);
   return stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4);
@@ -23,9 +23,12 @@ namespace aluminate::brdf {
 }
 
 /// Linear value of a stored byte.
-[[nodiscard]] inline double srgb8_to_linear(std::uint8_t stored) noexcept { return srgb_to_linear(stored / 255.0); }
+[[nodiscard]] inline double srgb8_to_linear(std::uint8_t stored) noexcept {
+  return srgb_to_linear(stored / 255.0);
+}
 
-/// Nearest stored byte of a linear value, clamped to [0, 1], halves up. linear_to_srgb8(srgb8_to_linear(b)) == b for all b.
+/// Nearest stored byte of a linear value, clamped to [0, 1], halves up. linear_to_srgb8(srgb8_to_linear(b))
+/// == b for all b.
 [[nodiscard]] inline std::uint8_t linear_to_srgb8(double linear) noexcept {
   return static_cast<std::uint8_t>(std::floor(linear_to_srgb(clamped(linear)) * 255.0 + 0.5));
 }
