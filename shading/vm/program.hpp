@@ -107,6 +107,7 @@ struct UniformSymbol {           // occupies registers c[reg .. reg + registers)
   int reg = 0;
   int registers = 1;             // array size x registers per element
   int components = 4;            // of one register, 1..4
+  int component = 0;             // first one: members of structs may share a register ("lights[0].range" in .w)
 };
 struct SamplerSymbol {
   std::string name;
