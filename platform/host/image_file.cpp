@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using image_module::Failure;
 
+constexpr std::size_t kMaxTextBytes = 1000;  // with kMaxTextSizePx it bounds what a line can need
 constexpr const char* kModuleFile = "libaluminate_image_module.so";
 
 // Beside the program first, so that an installed or copied build never picks up another build's module.
@@ -127,8 +128,40 @@ std::vector<image_module::Pair> pairs_of(const ImageMetadata& metadata) {
   return pairs;
 }
 
+// One line of text as coverage. Empty without a font: a legend without its text is still a picture.
+struct Ink {
+  image_module::Box box{};  // of `coverage`, relative to the left end of the baseline
+  int right = 0;            // right edge of the ink itself
+  std::vector<std::uint8_t> coverage;
+  int width() const { return box.right - box.left; }
+  int height() const { return box.bottom - box.top; }
+};
+
+Ink ink_of(std::string text, int size) {
+  ALU_CHECK(size >= 1 && size <= kMaxTextSizePx, "text of {} px", size);
+  text.resize(std::min(text.size(), kMaxTextBytes));
+  std::replace_if(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  Ink ink;
+  Failure failure{};
+  image_module::Box box{};
+  if (text.find_first_not_of(' ') == std::string::npos || !text_available() ||
+      !module().text_box(text.c_str(), size, ALUMINATE_FONT_FILE, &box, &failure)) {
+    return ink;
+  }
+  ink.right = box.right;
+  // The box is measured from glyph advances; ink may lean over it by less than an em.
+  ink.box = {std::min(box.left, 0) - size, box.top - size, box.right + size, box.bottom + size};
+  ink.coverage.resize(static_cast<std::size_t>(ink.width()) * static_cast<std::size_t>(ink.height()));
+  if (!module().draw_text(ink.width(), ink.height(), ink.coverage.data(), -ink.box.left, -ink.box.top, text.c_str(), size,
+                          ALUMINATE_FONT_FILE, &failure)) {
+    return Ink{};
+  }
+  return ink;
+}
+
 void append_bytes(void* context, const std::uint8_t* bytes, std::size_t count) {
-  static_cast<std::vector<std::uint8_t>*>(context)->assign(bytes, bytes + count);
+  auto& all = *static_cast<std::vector<std::uint8_t>*>(context);
+  all.insert(all.end(), bytes, bytes + count);
 }
 
 }  // namespace
@@ -229,18 +262,28 @@ bool text_available() {
 
 void draw_text(Image8& image, int x, int y, const std::string& text, int size, Rgb8 colour) {
   check_texels(image);
-  if (text.empty() || !text_available()) return;
-  const float rgb[3] = {static_cast<float>(colour.r) / 255.0f, static_cast<float>(colour.g) / 255.0f,
-                        static_cast<float>(colour.b) / 255.0f};
-  Failure failure{};
-  // A legend without its text is still a picture: a font that cannot be used is no error.
-  (void)module().draw_text(image.width, image.height, image.channels, image.texels.data(), x, y, text.c_str(), size, rgb,
-                           ALUMINATE_FONT_FILE, &failure);
+  constexpr int kFarPx = 1 << 20;  // far outside of any image; keeps the sums below in range
+  if (x < -kFarPx || x > kFarPx || y < -kFarPx || y > kFarPx) return;
+  const Ink ink = ink_of(text, size);
+  const std::array<int, 3> target{colour.r, colour.g, colour.b};
+  // Coverage is made in a buffer of its own: the text renderer must not be given a box that leaves the image.
+  const int first_row = std::max(0, -(y + ink.box.top)), last_row = std::min(ink.height(), image.height - (y + ink.box.top));
+  const int first_column = std::max(0, -(x + ink.box.left));
+  const int last_column = std::min(ink.width(), image.width - (x + ink.box.left));
+  for (int row = first_row; row < last_row; ++row) {
+    for (int column = first_column; column < last_column; ++column) {
+      const int cover = ink.coverage[static_cast<std::size_t>(row) * static_cast<std::size_t>(ink.width()) +
+                                     static_cast<std::size_t>(column)];
+      const std::size_t texel = static_cast<std::size_t>(y + ink.box.top + row) * static_cast<std::size_t>(image.width) +
+                                static_cast<std::size_t>(x + ink.box.left + column);
+      std::uint8_t* to = image.texels.data() + texel * static_cast<std::size_t>(image.channels);
+      for (std::size_t i = 0; i < 3; ++i) {
+        to[i] = static_cast<std::uint8_t>((to[i] * (255 - cover) + target[i] * cover + 127) / 255);
+      }
+    }
+  }
 }
 
-int text_width(const std::string& text, int size) {
-  if (text.empty() || !text_available()) return 0;
-  return std::max(module().text_width(text.c_str(), size, ALUMINATE_FONT_FILE), 0);
-}
+int text_width(const std::string& text, int size) { return std::max(ink_of(text, size).right, 0); }
 
 }  // namespace aluminate::host

@@ -72,8 +72,10 @@ void write_png(const std::string& path, const Image8& image, const ImageMetadata
 void write_exr(const std::string& path, int width, int height, std::span<const ExrLayer> layers,
                const ImageMetadata& metadata = {});
 
+inline constexpr int kMaxTextSizePx = 256;
+
 /// Text for legends: DejaVu Sans, anti-aliased, clipped to the image. (x, y) is the left end of the baseline in px,
-/// size the em height in px. Without the font file nothing is drawn and text_width is 0. UTF-8, one line.
+/// size the em height in px, 1..kMaxTextSizePx. Alpha stays as it is. Without the font file nothing is drawn and text_width is 0. UTF-8, one line.
 /// Glyph coverage comes from FreeType and may differ between its versions: not for hashed images.
 struct Rgb8 {
   std::uint8_t r = 0, g = 0, b = 0;

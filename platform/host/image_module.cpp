@@ -27,6 +27,8 @@ namespace {
 // Rows encoded at a time; a multiple of the 16 rows that OpenEXR compresses together.
 constexpr int kRowsPerWrite = 64;
 
+constexpr const char* kNoDate = "1970:01:01 00:00:00";
+
 bool set(Failure* failure, std::string text) {
   text = text.substr(0, text.find('\n'));
   text.resize(std::min(text.size(), sizeof failure->text - 1));
@@ -227,6 +229,7 @@ bool encode_exr(int width, int height, const Layer* layers, std::size_t layer_co
                                                              : OIIO::TypeFloat);
   }
   spec.attribute("compression", "zip");
+  spec.attribute("DateTime", kNoDate);  // left unset, the writer stores the time of day
   add_metadata(spec, metadata, metadata_count);
   return encode("openexr", spec, sink, context, failure, [&](OIIO::ImageOutput& output) {
     std::vector<std::uint8_t> rows(spec.pixel_bytes(true) * static_cast<std::size_t>(width) * kRowsPerWrite);
@@ -247,26 +250,22 @@ bool encode_exr(int width, int height, const Layer* layers, std::size_t layer_co
   });
 }
 
-bool draw_text(int width, int height, int channels, std::uint8_t* texels, int x, int y, const char* text, int size,
-               const float* rgb, const char* font_file, Failure* failure) {
+bool text_box(const char* text, int size, const char* font_file, Box* box, Failure* failure) {
   return guarded(failure, [&] {
-    OIIO::ImageBuf image(OIIO::ImageSpec(width, height, channels, OIIO::TypeUInt8), texels);  // wraps, no copy
-    const float colour[4] = {rgb[0], rgb[1], rgb[2], 1.0f};
-    const bool drawn = OIIO::ImageBufAlgo::render_text(image, x, y, text, size, font_file,
-                                                       OIIO::cspan<float>(colour, channels));
-    return drawn || set(failure, image.geterror());
+    const OIIO::ROI ink = OIIO::ImageBufAlgo::text_size(text, size, font_file);
+    if (!ink.defined()) return set(failure, "the font cannot be used");
+    *box = {ink.xbegin, ink.ybegin, ink.xend, ink.yend};
+    return true;
   });
 }
 
-int text_width(const char* text, int size, const char* font_file) {
-  int width = -1;
-  Failure ignored;
-  guarded(&ignored, [&] {
-    const OIIO::ROI extent = OIIO::ImageBufAlgo::text_size(text, size, font_file);
-    if (extent.defined()) width = std::max(extent.xend, 0);
-    return true;
+bool draw_text(int width, int height, std::uint8_t* coverage, int x, int y, const char* text, int size,
+               const char* font_file, Failure* failure) {
+  return guarded(failure, [&] {
+    OIIO::ImageBuf image(OIIO::ImageSpec(width, height, 1, OIIO::TypeUInt8), coverage);  // wraps, no copy
+    const bool drawn = OIIO::ImageBufAlgo::render_text(image, x, y, text, size, font_file, 1.0f);
+    return drawn || set(failure, image.geterror());
   });
-  return width;
 }
 
 }  // namespace
@@ -280,7 +279,7 @@ aluminate_image_module() {
   OIIO::attribute("exr_threads", 1);
   static const module::Interface interface {
     module::kInterfaceVersion, module::open, module::channel_name, module::read_rgba8, module::read_float,
-        module::close, module::encode_png, module::encode_exr, module::draw_text, module::text_width
+        module::close, module::encode_png, module::encode_exr, module::text_box, module::draw_text
   };
   return &interface;
 }

@@ -36,6 +36,10 @@ struct Layer {
   bool as_half;
 };
 
+struct Box {
+  std::int32_t left, top, right, bottom;  // right and bottom lie outside
+};
+
 /// Receives encoded bytes.
 using Sink = void (*)(void* context, const std::uint8_t* bytes, std::size_t count);
 
@@ -56,11 +60,11 @@ struct Interface {
   bool (*encode_exr)(int width, int height, const Layer* layers, std::size_t layer_count, const Pair* metadata,
                      std::size_t metadata_count, Sink sink, void* context, Failure* failure);
 
-  /// rgb: 0..1 each. texels are changed in place.
-  bool (*draw_text)(int width, int height, int channels, std::uint8_t* texels, int x, int y, const char* text, int size,
-                    const float* rgb, const char* font_file, Failure* failure);
-  /// Pixels from the first glyph's origin to the right edge of the last; -1 on failure.
-  int (*text_width)(const char* text, int size, const char* font_file);
+  /// Where the ink of one line of text lies, relative to the left end of its baseline (y down).
+  bool (*text_box)(const char* text, int size, const char* font_file, Box* box, Failure* failure);
+  /// Ink coverage 0..255 added to coverage, width*height texels that must be 0 before; the baseline starts at (x, y).
+  bool (*draw_text)(int width, int height, std::uint8_t* coverage, int x, int y, const char* text, int size,
+                    const char* font_file, Failure* failure);
 };
 
 /// The one symbol the module exports.

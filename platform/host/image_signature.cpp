@@ -52,6 +52,20 @@ bool jpeg_has_end(std::span<const std::uint8_t> jpeg) {
   return false;
 }
 
+// Chunks of a length, a name, that many bytes and a checksum; the last one is IEND.
+bool png_has_end(std::span<const std::uint8_t> png) {
+  constexpr std::size_t kChunkBytes = 12;
+  std::size_t at = 8;  // behind the signature
+  while (at + kChunkBytes <= png.size()) {
+    const std::size_t length = std::size_t{png[at]} << 24 | std::size_t{png[at + 1]} << 16 |
+                               std::size_t{png[at + 2]} << 8 | png[at + 3];
+    const std::string_view name(reinterpret_cast<const char*>(png.data() + at + 4), 4);
+    at += kChunkBytes + length;
+    if (name == "IEND") return at <= png.size();
+  }
+  return false;
+}
+
 }  // namespace
 
 const char* image_format(std::span<const std::uint8_t> encoded, std::string_view name) {
@@ -63,7 +77,7 @@ const char* image_format(std::span<const std::uint8_t> encoded, std::string_view
 }
 
 bool is_cut_off(std::span<const std::uint8_t> encoded, std::string_view format) {
-  return format == "jpeg" && !jpeg_has_end(encoded);
+  return (format == "jpeg" && !jpeg_has_end(encoded)) || (format == "png" && !png_has_end(encoded));
 }
 
 }  // namespace aluminate::host

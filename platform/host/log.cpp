@@ -29,6 +29,16 @@ spdlog::logger& logger() {
   return instance;
 }
 
+// Names come from files: their control characters must not steer the terminal. Line breaks and tabs stay.
+std::string printable(std::string_view text) {
+  std::string safe(text);
+  for (char& c : safe) {
+    const auto code = static_cast<unsigned char>(c);
+    if ((code < 0x20 && c != '\n' && c != '\t') || code == 0x7f) c = '?';
+  }
+  return safe;
+}
+
 bool first_time(std::string_view text) {
   static std::mutex mutex;
   static std::set<std::string, std::less<>> seen;
@@ -46,16 +56,16 @@ void set_log_color(ColorChoice choice) { color_choice = choice; }
 void note(std::string_view text) {
   if (current_talk == Talk::Quiet) return;
   erase_status_line();
-  logger().info("{}", text);
+  logger().info("{}", printable(text));
 }
 
 void warning(std::string_view text) {
   if (!first_time(text)) return;
   erase_status_line();
   if (color_enabled(Stream::Error, color_choice)) {
-    logger().warn("\x1b[1;33mwarning:\x1b[0m {}", text);
+    logger().warn("\x1b[1;33mwarning:\x1b[0m {}", printable(text));
   } else {
-    logger().warn("warning: {}", text);
+    logger().warn("warning: {}", printable(text));
   }
 }
 
