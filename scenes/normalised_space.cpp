@@ -7,7 +7,8 @@ namespace aluminate::scenes {
 
 NormalisedSpace normalised_space(const glm::dvec3& bounds_min, const glm::dvec3& bounds_max) {
   NormalisedSpace space;
-  const glm::dvec3 half = bounds_max * 0.5 - bounds_min * 0.5;  // halves first: the extent of finite bounds may overflow
+  const glm::dvec3 half =
+      bounds_max * 0.5 - bounds_min * 0.5;  // halves first: the extent of finite bounds may overflow
   space.centre = bounds_min + half;
   const double longest = std::max({half.x, half.y, half.z});
   // Below 2^-900 the scale would leave binary64; such a scene is a point for every purpose.

@@ -58,7 +58,8 @@ struct Material {
 };
 
 /// One drawable: world space, indexed triangles, counter-clockwise = front. All attribute arrays have the vertex count
-/// or are empty; positions, normals and tangents are always there (generated when the file has none).
+/// or are empty; positions, normals and tangents are always there (generated when the file has none). A uv set is there
+/// exactly when one of the material's textures reads it; tangents follow the uv only when the material has a normal map.
 struct Mesh {
   std::string name;                  // "node/mesh/primitive"
   int material = 0;                  // index into Scene::materials; always valid (a default is appended when needed)
@@ -81,6 +82,7 @@ struct Camera {
 
 enum class LightKind : std::uint8_t { Directional, Point, Spot };
 struct Light {
+  std::string name;
   LightKind kind = LightKind::Point;
   glm::dvec3 color{1};               // linear, times intensity as the file gives it
   double intensity = 1;
