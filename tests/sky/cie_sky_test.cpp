@@ -13,8 +13,6 @@
 namespace aluminate::sky {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 // ISO 15469 as printed, typed a second time, in long double and from the spherical law of cosines.
 constexpr long double kPrinted[16][5] = {
     {4.0L, -0.70L, 0, -1.0L, 0},       {4.0L, -0.70L, 2, -1.5L, 0.15L},   {1.1L, -0.8L, 0, -1.0L, 0},
