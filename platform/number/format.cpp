@@ -44,7 +44,7 @@ std::optional<NumberFormat> parse_number_format(std::string_view name) {
     const auto dot = name.find('.');
     if (dot == std::string_view::npos) return std::nullopt;
     const int i = parse_count(name.substr(1, dot - 1)), f = parse_count(name.substr(dot + 1));
-    if (i < 1 || f < 0 || i + f > 32) return std::nullopt;
+    if (i < 2 || f < 0 || i + f > 32) return std::nullopt;  // I = 1 could not hold the number 1
     return NumberFormat{std::string(name), Kind::Saturating, f, i};
   }
   return std::nullopt;

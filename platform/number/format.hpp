@@ -66,7 +66,7 @@ struct NumberFormat {
   bool operator==(const NumberFormat&) const = default;
 };
 
-/// fx20 .. fx40, qI.F with 1 <= I, 0 <= F, I + F <= 32, ref64. Lower case. nullopt: not a format.
+/// fx20 .. fx40, qI.F with 2 <= I (1 must be in range), 0 <= F, I + F <= 32, ref64. Lower case. nullopt: not a format.
 std::optional<NumberFormat> parse_number_format(std::string_view name);
 
 /// For help texts and hints: "fx20..fx40 (default fx31), qI.F with I + F <= 32 (q16.16, q12.20, q8.24), ref64".

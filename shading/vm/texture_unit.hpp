@@ -1,0 +1,59 @@
+// Fetches 64 lanes of texels: level of detail, addressing, filtering, all in integers after the coordinates.
+//   in   coordinate rows as the shader computed them (any finite value), the sampler's binding
+//   out  rows of numbers in [0, 1] on the result's grid, and what the fetch cost
+// Definitions (level of detail, weights, rounding): docs/texture_unit.md.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "platform/number/format.hpp"
+#include "shading/vm/program.hpp"
+#include "shading/vm/texture.hpp"
+
+namespace aluminate::vm {
+
+struct FetchRequest {
+  Opcode op = Opcode::Tex;
+  /// Tex: u v. TexBias, TexLod: u v and the bias or level. TexGrad: u v, du/dx dv/dx, du/dy dv/dy. 64 doubles each.
+  std::array<const double*, 6> rows{};
+  std::uint64_t exec = 0;     // lanes that want a result
+  std::uint64_t covered = 0;  // lanes that are billed
+};
+
+struct FetchCost {
+  std::uint64_t fetches = 0;  // covered lanes that fetched
+  std::uint64_t cycles = 0;   // bilinear cycles of those
+};
+
+/// results[c] == nullptr: component c is not wanted. masked: other lanes of the result rows keep what they had.
+/// Result rows may be coordinate rows. Implicit detail: one level per quad, from lanes 1 - 0 and 2 - 0.
+FetchCost fetch(const SamplerBinding& binding, const FetchRequest& request, bool masked, const number::Grid& grid,
+                const std::array<double*, 4>& results) noexcept;
+
+/// The same, texel by texel; the oracle.
+FetchCost fetch_reference(const SamplerBinding& binding, const FetchRequest& request, bool masked,
+                          const number::Grid& grid, const std::array<double*, 4>& results) noexcept;
+
+// ---- shared definitions -----------------------------------------------------------------------------------------
+
+/// Level of detail times 256: 256 * log2 of the longer of the two texel-space derivative vectors.
+std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width, int height) noexcept;
+/// A level or bias given as a number, times 256, to nearest.
+std::int32_t to_lod(double level) noexcept;
+
+struct MipChoice {
+  Filter filter = Filter::Linear;
+  std::int32_t level = 0;     // finer of the two levels
+  std::int32_t fraction = 0;  // weight of the coarser in 1/256; 0 = one level only
+};
+MipChoice choose_mip(const SamplerState& state, std::size_t levels, std::int32_t lod) noexcept;
+
+/// Filtered sum, scaled by 65535 * 2^24, to a number on the grid.
+inline double texel_value(const number::Grid& grid, std::uint64_t sum) {
+  constexpr double kScale = 0x1p-24 / 65535.0;
+  return std::fma(static_cast<double>(sum), kScale, grid.magic) - grid.magic;
+}
+
+}  // namespace aluminate::vm
