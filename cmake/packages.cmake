@@ -36,6 +36,7 @@ aluminate_need(CLI11 "libcli11-dev")
 aluminate_need(nlohmann_json "nlohmann-json3-dev")
 aluminate_need_header(toml++/toml.h "libtomlplusplus-dev")
 aluminate_need_header(xxhash.h "libxxhash-dev")
+aluminate_need_header(squish.h "libsquish-dev")
 find_program(ALUMINATE_GLSLANG_VALIDATOR glslangValidator)   # glslang's exported targets check that it exists
 if(ALUMINATE_GLSLANG_VALIDATOR)
   aluminate_need(glslang "glslang-dev glslang-tools")
