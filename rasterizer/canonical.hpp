@@ -1,0 +1,105 @@
+// The canonical order of a snapped triangle and its depth plane: the definitions behind SetupTriangle.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "rasterizer/limits.hpp"
+#include "rasterizer/screen_vertex.hpp"
+#include "rasterizer/triangle.hpp"
+
+namespace aluminate::raster {
+
+/// Twice the signed area in sub^2, positive = clockwise on the screen (y down). Exact: below 2^47 (limits.hpp).
+inline std::int64_t twice_area(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) noexcept {
+  return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{c.x - a.x} * (b.y - a.y);
+}
+
+struct CanonicalOrder {
+  std::array<std::uint8_t, 3> corner{};  // canonical corner k is submitted corner[k]
+  std::int64_t area2 = 0;                // > 0; 0 = degenerate
+  bool front_facing = false;             // counter-clockwise with y up: negative before reordering
+};
+
+/// Topmost, then leftmost corner first; the rest clockwise. Distinct corners of a triangle with area have no ties.
+inline CanonicalOrder canonical_order(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) noexcept {
+  CanonicalOrder order;
+  const std::int64_t area2 = twice_area(a, b, c);
+  order.front_facing = area2 < 0;
+  order.area2 = area2 < 0 ? -area2 : area2;
+  const auto before = [](const ScreenVertex& p, const ScreenVertex& q) { return p.y < q.y || (p.y == q.y && p.x < q.x); };
+  const unsigned first = before(b, a) ? (before(c, b) ? 2 : 1) : (before(c, a) ? 2 : 0);
+  static constexpr std::uint8_t kWalk[2][3][3] = {{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}, {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}}};
+  const std::uint8_t* walk = kWalk[area2 < 0][first];  // backwards when counter-clockwise
+  order.corner = {walk[0], walk[1], walk[2]};
+  return order;
+}
+
+/// Depth with 4 fraction bits to D24, half up.
+inline std::uint32_t depth_from_z4(std::int32_t z4) noexcept {
+  return static_cast<std::uint32_t>((z4 + (1 << (kVertexDepthBits - 1))) >> kVertexDepthBits);
+}
+
+/// One depth slope per sub in 2^-38 D24: the binary64 quotient (numerator and area are exact), scaled, held below 2^62 and
+/// truncated. Error below 2^-38 + 2^-53 |slope|: at 2^23 sub less than 2^-13 D24 unless the whole depth range passes within
+/// a few pixels; such slivers are bounded by the clamp to [z_min, z_max].
+inline std::int64_t depth_slope(std::int64_t numerator, std::int64_t area2) noexcept {
+  constexpr double kScale = 0x1p34, kLimit = 0x1p62;  // z4 units to 2^-38 D24: 38 - 4
+  static_assert(kPlaneBits - kVertexDepthBits == 34);
+  double slope = static_cast<double>(numerator) / static_cast<double>(area2) * kScale;
+  slope = slope > kLimit ? kLimit : slope;
+  slope = slope < -kLimit ? -kLimit : slope;
+  return static_cast<std::int64_t>(slope);
+}
+
+/// Fills corners, plane and range. v0, v1, v2 are in canonical order.
+inline void fill_geometry(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2, std::int64_t area2,
+                          SetupTriangle& out) noexcept {
+  out.x[0] = v0.x, out.x[1] = v1.x, out.x[2] = v2.x;
+  out.y[0] = v0.y, out.y[1] = v1.y, out.y[2] = v2.y;
+  out.z0 = v0.z4;
+  const std::int32_t low = v0.z4 < v1.z4 ? (v0.z4 < v2.z4 ? v0.z4 : v2.z4) : (v1.z4 < v2.z4 ? v1.z4 : v2.z4);
+  const std::int32_t high = v0.z4 > v1.z4 ? (v0.z4 > v2.z4 ? v0.z4 : v2.z4) : (v1.z4 > v2.z4 ? v1.z4 : v2.z4);
+  out.z_min = depth_from_z4(low);
+  out.z_max = depth_from_z4(high);
+  const std::int64_t dz1 = v1.z4 - v0.z4, dz2 = v2.z4 - v0.z4;
+  out.z_dx = depth_slope(dz1 * (v2.y - v0.y) - dz2 * (v1.y - v0.y), area2);
+  out.z_dy = depth_slope(dz2 * (v1.x - v0.x) - dz1 * (v2.x - v0.x), area2);
+}
+
+/// Depth of a pixel, the definition (all arithmetic modulo 2^64, then 2^32; exact for every covered pixel because the true
+/// value has 62 bits, then 31):
+///   P(X, Y) = (z0 << 34) + 2^37 + z_dx (X - x0) + z_dy (Y - y0)          plane plus half a step, at sub position (X, Y)
+///   A = P(centre of the stamp's first pixel) >> 31                       7 fraction bits, floor
+///   g = (256 slope + 2^30) >> 31                                         step per pixel, 7 fraction bits, nearest
+///   depth = clamp((A + i gx + j gy) >> 7, z_min, z_max)                  i, j = pixel in the 4x4 stamp
+/// Off the exact plane by at most 1/2 + 2^-7 + 6 * 2^-8 + 2^-13 D24. Slope 0 gives the corners' depth at every pixel.
+struct DepthSteps {
+  std::uint64_t origin;        // P at the centre of a tile's first pixel
+  std::uint64_t px_x, px_y;    // 256 * slope: one pixel
+  std::uint32_t lane_x, lane_y;  // gx, gy
+};
+
+inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept {
+  DepthSteps steps;
+  const auto dx = static_cast<std::uint64_t>(t.z_dx), dy = static_cast<std::uint64_t>(t.z_dy);
+  const auto offset_x = static_cast<std::uint64_t>(std::int64_t{tile.x * kSubpixels + kHalfPixel - t.x[0]});
+  const auto offset_y = static_cast<std::uint64_t>(std::int64_t{tile.y * kSubpixels + kHalfPixel - t.y[0]});
+  steps.origin = (static_cast<std::uint64_t>(t.z0) << (kPlaneBits - kVertexDepthBits)) + (std::uint64_t{1} << (kPlaneBits - 1)) +
+                 dx * offset_x + dy * offset_y;
+  steps.px_x = dx << kSubpixelBits;
+  steps.px_y = dy << kSubpixelBits;
+  constexpr int kShift = kPlaneBits - kStampDepthBits;
+  constexpr std::uint64_t kHalf = std::uint64_t{1} << (kShift - 1);
+  steps.lane_x = static_cast<std::uint32_t>(static_cast<std::int64_t>(steps.px_x + kHalf) >> kShift);
+  steps.lane_y = static_cast<std::uint32_t>(static_cast<std::int64_t>(steps.px_y + kHalf) >> kShift);
+  return steps;
+}
+
+/// A of the stamp whose first pixel is (x, y) of the tile.
+inline std::uint32_t depth_anchor(const DepthSteps& steps, int x, int y) noexcept {
+  const std::uint64_t plane = steps.origin + steps.px_x * static_cast<std::uint64_t>(x) + steps.px_y * static_cast<std::uint64_t>(y);
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(plane) >> (kPlaneBits - kStampDepthBits));
+}
+
+}  // namespace aluminate::raster

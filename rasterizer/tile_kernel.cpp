@@ -1,0 +1,385 @@
+#include "rasterizer/tile_kernel.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "rasterizer/canonical.hpp"
+
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rasterizer/tile_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace aluminate::raster::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// 16 lanes as 1, 2 or 4 vectors.
+using Tag = hn::CappedTag<std::int32_t, 16>;
+using Vector = hn::Vec<Tag>;
+using Mask = hn::Mask<Tag>;
+constexpr Tag kTag;
+constexpr std::size_t kLanes = hn::MaxLanes(Tag());
+constexpr std::size_t kParts = 16 / kLanes;
+static_assert(kParts * kLanes == 16);
+
+struct Vector16 {
+  Vector part[kParts];
+};
+
+alignas(64) constexpr std::int32_t kLaneX[16] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
+alignas(64) constexpr std::int32_t kLaneY[16] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
+
+HWY_INLINE std::uint32_t bits_of(Mask mask, std::size_t part) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(kTag, mask, bytes);
+  std::uint16_t bits;
+  std::memcpy(&bits, bytes, sizeof bits);
+  return static_cast<std::uint32_t>(bits) << (part * kLanes);
+}
+
+HWY_INLINE Vector16 broadcast(std::int32_t value) {
+  Vector16 out;
+  for (std::size_t p = 0; p < kParts; ++p) out.part[p] = hn::Set(kTag, value);
+  return out;
+}
+
+/// x * lane_x + y * lane_y, modulo 2^32.
+HWY_INLINE Vector16 lane_plane(std::int32_t x, std::int32_t y) {
+  Vector16 out;
+  for (std::size_t p = 0; p < kParts; ++p)
+    out.part[p] = hn::Add(hn::Mul(hn::Set(kTag, x), hn::Load(kTag, kLaneX + p * kLanes)),
+                          hn::Mul(hn::Set(kTag, y), hn::Load(kTag, kLaneY + p * kLanes)));
+  return out;
+}
+
+/// Bits of lanes whose value is negative in none of the three.
+HWY_INLINE std::uint32_t inside_bits(const Vector16& a, const Vector16& b, const Vector16& c) {
+  std::uint32_t negative = 0;
+  for (std::size_t p = 0; p < kParts; ++p)
+    negative |= bits_of(hn::Lt(hn::Or(hn::Or(a.part[p], b.part[p]), c.part[p]), hn::Zero(kTag)), p);
+  return ~negative & 0xffffu;
+}
+
+HWY_INLINE std::uint32_t max_of_stamp(const std::uint32_t* depth) {
+  Vector most = hn::Load(kTag, reinterpret_cast<const std::int32_t*>(depth));
+  for (std::size_t p = 1; p < kParts; ++p)
+    most = hn::Max(most, hn::Load(kTag, reinterpret_cast<const std::int32_t*>(depth) + p * kLanes));
+  return static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(kTag, most)));
+}
+
+/// Maximum over `stamps` consecutive stamps.
+HWY_INLINE std::uint32_t max_of_stamps(const std::uint32_t* depth, int stamps) {
+  Vector most = hn::Zero(kTag);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(stamps) * kParts; ++i)
+    most = hn::Max(most, hn::Load(kTag, reinterpret_cast<const std::int32_t*>(depth) + i * kLanes));
+  return static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(kTag, most)));
+}
+
+/// Recomputes the maxima a record could profit from. A pixel the record does not lie behind proves a block visible, so one
+/// sample spares most recomputations. Results never depend on when this happens, only counters would; it depends on the
+/// tile's own records alone, so they do not either.
+HWY_INLINE void refresh_tile(TileMemory& tile, std::uint32_t z_min) {
+  constexpr std::uint32_t kWorthwhile = 1024;  // pixels
+  if (tile.tile_writes < kWorthwhile || z_min < tile.depth[kTilePixels / 2]) return;
+  std::uint32_t most = 0;
+  for (int block = 0; block < 16; ++block) {
+    if (tile.block_writes[block] != 0) {
+      tile.block_max[block] = static_cast<std::int32_t>(max_of_stamps(tile.depth + block * 256, 16));
+      tile.block_writes[block] = 0;
+    }
+    most = std::max(most, static_cast<std::uint32_t>(tile.block_max[block]));
+  }
+  tile.tile_max = most;
+  tile.tile_writes = 0;
+}
+
+HWY_INLINE void refresh_block(TileMemory& tile, int block, std::uint32_t z_min) {
+  constexpr std::uint32_t kWorthwhile = 128;  // pixels
+  if (tile.block_writes[block] < kWorthwhile || z_min < tile.depth[block * 256 + 128]) return;
+  tile.block_max[block] = static_cast<std::int32_t>(max_of_stamps(tile.depth + block * 256, 16));
+  tile.block_writes[block] = 0;
+}
+
+/// A record in a tile: everything the stamp loops need, once.
+struct Walk {
+  const SetupTriangle& record;
+  DepthSteps steps;
+  std::int32_t c[3], dx[3], dy[3];  // covered <=> c - dy i + dx j >= 0 for the three edges, i, j pixels in the tile
+  int x0, y0, x1, y1;               // pixels whose centres lie in the bounds, inclusive, tile-relative, inside the viewport
+};
+
+/// False when the bounds hold no pixel of the tile.
+HWY_INLINE bool bound(const TileMemory& tile, const SetupTriangle& t, Walk& walk) {
+  const std::int32_t left = std::min(std::min(t.x[0], t.x[1]), t.x[2]), right = std::max(std::max(t.x[0], t.x[1]), t.x[2]);
+  const std::int32_t top = t.y[0], bottom = std::max(t.y[1], t.y[2]);  // canonical order starts at the top
+  walk.x0 = std::max(((left + kHalfPixel - 1) >> kSubpixelBits) - tile.origin.x, 0);
+  walk.x1 = std::min(((right - kHalfPixel) >> kSubpixelBits) - tile.origin.x, tile.width - 1);
+  walk.y0 = std::max(((top + kHalfPixel - 1) >> kSubpixelBits) - tile.origin.y, 0);
+  walk.y1 = std::min(((bottom - kHalfPixel) >> kSubpixelBits) - tile.origin.y, tile.height - 1);
+  return walk.x0 <= walk.x1 && walk.y0 <= walk.y1;
+}
+
+/// Edge value minus the tie bias: >= 0 inside. Ties go to top and left edges [D3D11-FS 3.4.2].
+HWY_INLINE std::int64_t biased_edge(const SetupTriangle& t, int k, std::int64_t x, std::int64_t y) {
+  const int n = k == 2 ? 0 : k + 1;
+  const std::int64_t dx = t.x[n] - t.x[k], dy = t.y[n] - t.y[k];
+  const bool top_left = dy < 0 || (dy == 0 && dx > 0);
+  return dx * (y - t.y[k]) - dy * (x - t.x[k]) - (top_left ? 0 : 1);
+}
+
+HWY_INLINE void set_edges(const TileMemory& tile, Walk& walk) {
+  const SetupTriangle& t = walk.record;
+  const std::int64_t x = tile.origin.x * kSubpixels + kHalfPixel, y = tile.origin.y * kSubpixels + kHalfPixel;
+  for (int k = 0; k < 3; ++k) {
+    const int n = k == 2 ? 0 : k + 1;
+    walk.dx[k] = t.x[n] - t.x[k];
+    walk.dy[k] = t.y[n] - t.y[k];
+    const std::int64_t c = biased_edge(t, k, x, y) >> kSubpixelBits;  // floor
+    walk.c[k] = static_cast<std::int32_t>(std::min(std::max(c, kEdgeClampLow), kEdgeClampHigh));
+  }
+}
+
+/// Calls emit(stamp, covered lanes, depth anchor) for every stamp with a covered pixel; skips blocks hidden for sure.
+/// ascending: in order of stamp numbers, which a bill with blocks above 4 px depends on; otherwise any fixed order.
+template <class Emit>
+HWY_INLINE void walk_stamps(TileMemory& tile, Walk& walk, bool block_hiz, bool ascending, std::uint64_t& hidden_blocks, Emit&& emit) {
+  const SetupTriangle& t = walk.record;
+  walk.steps = depth_steps(t, tile.origin);
+  set_edges(tile, walk);
+  Vector16 lanes[3];
+  for (int k = 0; k < 3; ++k) lanes[k] = lane_plane(-walk.dy[k], walk.dx[k]);
+  const auto stamp_inside = [&](int x, int y) HWY_ATTR {
+    Vector16 edge[3];
+    for (int k = 0; k < 3; ++k) {
+      const Vector16 base = broadcast(walk.c[k] - walk.dy[k] * x + walk.dx[k] * y);
+      for (std::size_t p = 0; p < kParts; ++p) edge[k].part[p] = hn::Add(base.part[p], lanes[k].part[p]);
+    }
+    return inside_bits(edge[0], edge[1], edge[2]);
+  };
+
+  if (walk.x1 - walk.x0 < kBlockPx && walk.y1 - walk.y0 < kBlockPx && !ascending) {
+    if (block_hiz && ((walk.x0 ^ walk.x1) | (walk.y0 ^ walk.y1)) < kBlockPx) {
+      const int block = stamp_of(walk.x0, walk.y0) >> 4;
+      refresh_block(tile, block, t.z_min);
+      if (static_cast<std::int32_t>(t.z_min) >= tile.block_max[block]) {
+        ++hidden_blocks;
+        return;
+      }
+    }
+    for (int y = walk.y0 & ~3; y <= walk.y1; y += 4)
+      for (int x = walk.x0 & ~3; x <= walk.x1; x += 4)
+        if (const std::uint32_t covered = stamp_inside(x, y)) emit(stamp_of(x, y), covered, depth_anchor(walk.steps, x, y));
+    return;
+  }
+
+  // 16 blocks of 16x16 at once, then 16 stamps of a block at once: an edge rejects a square when even its best corner is
+  // outside and accepts it when its worst corner is inside.
+  std::int32_t best[3], worst[3];  // per pixel of extent
+  for (int k = 0; k < 3; ++k) {
+    best[k] = std::max(-walk.dy[k], 0) + std::max(walk.dx[k], 0);
+    worst[k] = std::min(-walk.dy[k], 0) + std::min(walk.dx[k], 0);
+  }
+  const auto classify = [&](const std::int32_t (&c)[3], int square_px, int shift, std::uint32_t& reject, std::uint32_t& accept) HWY_ATTR {
+    std::uint32_t rejected = 0, partial = 0;
+    for (std::size_t p = 0; p < kParts; ++p) {
+      Vector any_best = hn::Zero(kTag), any_worst = hn::Zero(kTag);
+      for (int k = 0; k < 3; ++k) {
+        const Vector edge = hn::Add(hn::Set(kTag, c[k]), hn::ShiftLeftSame(lanes[k].part[p], shift));
+        any_best = hn::Or(any_best, hn::Add(edge, hn::Set(kTag, best[k] * (square_px - 1))));
+        any_worst = hn::Or(any_worst, hn::Add(edge, hn::Set(kTag, worst[k] * (square_px - 1))));
+      }
+      rejected |= bits_of(hn::Lt(any_best, hn::Zero(kTag)), p);
+      partial |= bits_of(hn::Lt(any_worst, hn::Zero(kTag)), p);
+    }
+    reject = rejected;
+    accept = ~partial & 0xffffu;
+  };
+
+  std::uint32_t block_reject, block_accept;
+  classify(walk.c, kBlockPx, 4, block_reject, block_accept);
+  std::uint32_t blocks = ~block_reject & 0xffffu;
+  std::uint32_t in_bounds = 0;
+  for (int y = walk.y0 / kBlockPx; y <= walk.y1 / kBlockPx; ++y)
+    for (int x = walk.x0 / kBlockPx; x <= walk.x1 / kBlockPx; ++x) in_bounds |= 1u << (stamp_of(x * kBlockPx, y * kBlockPx) >> 4);
+  blocks &= in_bounds;
+  while (blocks != 0) {
+    const int block = std::countr_zero(blocks);
+    blocks &= blocks - 1;
+    if (block_hiz) {
+      refresh_block(tile, block, t.z_min);
+      if (static_cast<std::int32_t>(t.z_min) >= tile.block_max[block]) {
+        ++hidden_blocks;
+        continue;
+      }
+    }
+    const int block_x = stamp_x(block << 4), block_y = stamp_y(block << 4);
+    std::uint32_t stamps = 0xffffu, full = 0xffffu;
+    if ((block_accept >> block & 1) == 0) {
+      std::int32_t c[3];
+      for (int k = 0; k < 3; ++k) c[k] = walk.c[k] - walk.dy[k] * block_x + walk.dx[k] * block_y;
+      std::uint32_t reject;
+      classify(c, kStampPx, 2, reject, full);
+      stamps = ~reject & 0xffffu;
+    }
+    while (stamps != 0) {
+      const int inner = std::countr_zero(stamps);
+      stamps &= stamps - 1;
+      const int x = block_x + kStampPx * lane_x(inner), y = block_y + kStampPx * lane_y(inner);
+      const std::uint32_t covered = full >> inner & 1 ? 0xffffu : stamp_inside(x, y);
+      if (covered != 0) emit(block << 4 | inner, covered, depth_anchor(walk.steps, x, y));
+    }
+  }
+}
+
+/// Depth of 16 lanes (canonical.hpp).
+struct StampDepth {
+  Vector16 offset;      // i gx + j gy
+  Vector low, high;
+  HWY_INLINE explicit StampDepth(const Walk& walk)
+      : offset(lane_plane(static_cast<std::int32_t>(walk.steps.lane_x), static_cast<std::int32_t>(walk.steps.lane_y))),
+        low(hn::Set(kTag, static_cast<std::int32_t>(walk.record.z_min))),
+        high(hn::Set(kTag, static_cast<std::int32_t>(walk.record.z_max))) {}
+  HWY_INLINE Vector at(std::uint32_t anchor, std::size_t p) const {
+    const Vector z = hn::ShiftRight<kStampDepthBits>(hn::Add(hn::Set(kTag, static_cast<std::int32_t>(anchor)), offset.part[p]));
+    return hn::Min(hn::Max(z, low), high);
+  }
+};
+
+/// Lanes of `covered` nearer than the stored maximum of the bill's block: decides a stamp none of whose pixels passes.
+HWY_INLINE bool passes_block(const TileMemory& tile, const BillRule& rule, int stamp, std::uint32_t nearest) {
+  const int log2_stamps = rule.block_px == 4 ? 0 : rule.block_px == 8 ? 2 : 4;
+  const int first = stamp >> log2_stamps << log2_stamps;
+  const std::uint32_t* depth = tile.depth + first * 16;
+  return nearest < (log2_stamps == 0 ? max_of_stamp(depth) : max_of_stamps(depth, 1 << log2_stamps));
+}
+
+template <BillRule::Kind kBill>
+HWY_INLINE void draw_stamp(TileMemory& tile, const Walk& walk, const StampDepth& depth, int stamp, std::uint32_t covered,
+                           std::uint32_t anchor, const KernelOptions& options, BillBuffer& bill) {
+  auto* stored = reinterpret_cast<std::int32_t*>(tile.depth) + stamp * 16;
+  auto* visible = reinterpret_cast<std::int32_t*>(tile.visibility) + stamp * 16;
+  std::uint32_t pass = 0;
+  Vector16 z;
+  Mask nearer[kParts];
+  for (std::size_t p = 0; p < kParts; ++p) {
+    z.part[p] = depth.at(anchor, p);
+    const Vector old = hn::Load(kTag, stored + p * kLanes);
+    alignas(8) const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(covered >> (p * kLanes)),
+                                              static_cast<std::uint8_t>(covered >> (p * kLanes) >> 8)};
+    nearer[p] = hn::And(hn::LoadMaskBits(kTag, bytes), hn::Lt(z.part[p], old));
+    pass |= bits_of(nearer[p], p);
+  }
+  if constexpr (kBill == BillRule::Kind::Everything) {
+    covered &= tile.inside[stamp];
+    if (covered != 0) bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(covered), static_cast<std::uint8_t>(stamp)};
+  } else if constexpr (kBill == BillRule::Kind::PerPixel) {
+    if (pass != 0) bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(pass), static_cast<std::uint8_t>(stamp)};
+  } else if constexpr (kBill == BillRule::Kind::Hierarchical) {
+    covered &= tile.inside[stamp];
+    bool billed = pass != 0;  // a pixel that passes is nearer than the block's maximum
+    if (!billed && covered != 0) {
+      alignas(64) std::uint32_t lane_depth[16];
+      for (std::size_t p = 0; p < kParts; ++p) hn::Store(z.part[p], kTag, reinterpret_cast<std::int32_t*>(lane_depth) + p * kLanes);
+      std::uint32_t nearest = kDepthMax;
+      for (std::uint32_t rest = covered; rest != 0; rest &= rest - 1) nearest = std::min(nearest, lane_depth[std::countr_zero(rest)]);
+      billed = passes_block(tile, options.bill, stamp, nearest);
+    }
+    if (billed) bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(covered), static_cast<std::uint8_t>(stamp)};
+  }
+  if (pass == 0) return;
+  for (std::size_t p = 0; p < kParts; ++p) {
+    const Vector old = hn::Load(kTag, stored + p * kLanes), old_id = hn::Load(kTag, visible + p * kLanes);
+    hn::Store(hn::IfThenElse(nearer[p], z.part[p], old), kTag, stored + p * kLanes);
+    hn::Store(hn::IfThenElse(nearer[p], hn::Set(kTag, static_cast<std::int32_t>(walk.record.id)), old_id), kTag, visible + p * kLanes);
+  }
+  const auto written = static_cast<std::uint32_t>(std::popcount(pass));
+  tile.block_writes[stamp >> 4] += written;
+  tile.tile_writes += written;
+}
+
+template <BillRule::Kind kBill>
+void draw_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
+                  BillBuffer& bill, HizCounters& counters) {
+  for (const SetupTriangle* t = records; t != records + count; ++t) {
+    if (t->culled) continue;
+    if (options.tile_hiz) {
+      refresh_tile(tile, t->z_min);
+      if (t->z_min >= tile.tile_max) {
+        ++counters.tile;
+        continue;
+      }
+    }
+    Walk walk{*t, {}, {}, {}, {}, 0, 0, 0, 0};
+    if (!bound(tile, *t, walk)) continue;
+    if constexpr (kBill != BillRule::Kind::Off)
+      if (bill.count > BillBuffer::kCapacity - kStampsPerTile) bill.flush();
+    // The set-up of the walk has to come first: the depth of lanes needs its steps.
+    walk.steps = depth_steps(*t, tile.origin);
+    const StampDepth depth(walk);
+    walk_stamps(tile, walk, options.block_hiz, options.bill.block_px != 4, counters.block, [&](int stamp, std::uint32_t covered, std::uint32_t anchor) HWY_ATTR {
+      draw_stamp<kBill>(tile, walk, depth, stamp, covered, anchor, options, bill);
+    });
+  }
+}
+
+void DrawOpaque(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
+                BillBuffer& bill, HizCounters& counters) {
+  using Kind = BillRule::Kind;
+  switch (options.bill.kind) {
+    case Kind::Off: return draw_records<Kind::Off>(tile, records, count, options, bill, counters);
+    case Kind::Everything: return draw_records<Kind::Everything>(tile, records, count, options, bill, counters);
+    case Kind::Hierarchical: return draw_records<Kind::Hierarchical>(tile, records, count, options, bill, counters);
+    case Kind::PerPixel: return draw_records<Kind::PerPixel>(tile, records, count, options, bill, counters);
+  }
+}
+
+void FindFragments(TileMemory& tile, const SetupTriangle& record, const KernelOptions& options, StampFragments& fragments,
+                   HizCounters& counters) {
+  fragments.count = 0;
+  if (record.culled) return;
+  if (options.tile_hiz) {
+    refresh_tile(tile, record.z_min);
+    if (record.z_min >= tile.tile_max) {
+      ++counters.tile;
+      return;
+    }
+  }
+  Walk walk{record, {}, {}, {}, {}, 0, 0, 0, 0};
+  if (!bound(tile, record, walk)) return;
+  walk.steps = depth_steps(record, tile.origin);
+  const StampDepth depth(walk);
+  walk_stamps(tile, walk, options.block_hiz, options.bill.block_px != 4, counters.block, [&](int stamp, std::uint32_t covered, std::uint32_t anchor) HWY_ATTR {
+    covered &= tile.inside[stamp];
+    if (covered == 0) return;
+    const int n = fragments.count++;
+    fragments.stamp[n] = static_cast<std::uint8_t>(stamp);
+    fragments.covered[n] = static_cast<std::uint16_t>(covered);
+    for (std::size_t p = 0; p < kParts; ++p)
+      hn::Store(depth.at(anchor, p), kTag, reinterpret_cast<std::int32_t*>(fragments.depth[n]) + p * kLanes);
+  });
+}
+
+}  // namespace aluminate::raster::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace aluminate::raster {
+
+HWY_EXPORT(DrawOpaque);
+HWY_EXPORT(FindFragments);
+
+void draw_opaque_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
+                         BillBuffer& bill, HizCounters& counters) {
+  HWY_DYNAMIC_DISPATCH(DrawOpaque)(tile, records, count, options, bill, counters);
+}
+
+void find_fragments(TileMemory& tile, const SetupTriangle& record, const KernelOptions& options, StampFragments& fragments,
+                    HizCounters& counters) {
+  HWY_DYNAMIC_DISPATCH(FindFragments)(tile, record, options, fragments, counters);
+}
+
+}  // namespace aluminate::raster
+#endif

@@ -1,0 +1,68 @@
+// The hot loops of the tile stage, compiled for every vector unit and picked at run time: 16 int32 lanes are one 4x4 stamp.
+// In: records of one tile. Out: depth, visibility and billed stamps, or the fragments of one triangle. Integers only, so
+// every vector unit gives the same bits. Used by tile.cpp alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "rasterizer/bill.hpp"
+#include "rasterizer/limits.hpp"
+#include "rasterizer/triangle.hpp"
+
+namespace aluminate::raster {
+
+/// Billed stamps on their way to the sink.
+struct BillBuffer {
+  static constexpr std::size_t kCapacity = 1024;
+  static_assert(kCapacity >= 2 * kStampsPerTile, "a triangle's stamps always fit after a flush");
+  BillSink* sink = nullptr;
+  std::size_t count = 0;
+  BilledStamp stamps[kCapacity];
+
+  void flush() {
+    if (count != 0 && sink != nullptr) sink->billed({stamps, count});
+    count = 0;
+  }
+};
+
+/// One worker's tile. Stamp-major: element 16 stamp + lane, so a 16x16 block is 256 consecutive elements.
+struct alignas(64) TileMemory {
+  std::uint32_t depth[kTilePixels];        // 0 outside the viewport: nothing passes there and maxima are those of the inside
+  std::uint32_t visibility[kTilePixels];
+  std::uint16_t inside[kStampsPerTile];    // lanes inside the viewport
+  std::int32_t block_max[16];              // >= every depth of the block, exact after refresh
+  std::uint32_t block_writes[16];          // pixels written since the last refresh of the block
+  std::uint32_t tile_max = 0;              // >= every block_max
+  std::uint32_t tile_writes = 0;           // since tile_max was computed
+  TileOrigin origin;
+  int width = 0, height = 0;               // pixels inside the viewport
+};
+
+struct KernelOptions {
+  BillRule bill;
+  bool tile_hiz = true, block_hiz = true;  // false also where the bill needs the coverage of hidden triangles
+};
+
+struct HizCounters {
+  std::uint64_t tile = 0, block = 0;
+};
+
+/// Depth-tests and draws Opaque records in order.
+void draw_opaque_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
+                         BillBuffer& bill, HizCounters& counters);
+
+/// A triangle's covered stamps in a tile, not depth-tested.
+struct StampFragments {
+  int count = 0;
+  std::uint8_t stamp[kStampsPerTile];
+  std::uint16_t covered[kStampsPerTile];   // inside the viewport, never 0
+  alignas(64) std::uint32_t depth[kStampsPerTile][16];
+};
+/// Stamps hidden for sure are left out when hierarchical depth is on.
+void find_fragments(TileMemory& tile, const SetupTriangle& record, const KernelOptions& options, StampFragments& fragments,
+                    HizCounters& counters);
+
+}  // namespace aluminate::raster
