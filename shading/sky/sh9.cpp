@@ -102,6 +102,14 @@ Sh9 project(const Sky& sky) {
           sum.y21 * s1, sum.y20,      sum.y21 * c1, sum.y22 * c2};
 }
 
+Sh9 snapped(const Sh9& light) noexcept {
+  constexpr double kGrid = 1048576.0;
+  Sh9 out;
+  for (std::size_t i = 0; i < light.size(); ++i)
+    for (int k = 0; k < 3; ++k) out[i][k] = std::nearbyint(light[i][k] * kGrid) / kGrid;
+  return out;
+}
+
 glm::dvec3 irradiance(const Sh9& light, const glm::dvec3& normal, int bands) noexcept {
   constexpr double kA[9] = {kPi,     2 * kPi / 3, 2 * kPi / 3, 2 * kPi / 3, kPi / 4,
                             kPi / 4, kPi / 4,     kPi / 4,     kPi / 4};

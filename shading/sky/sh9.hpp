@@ -5,6 +5,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <string_view>
 
 #include "shading/sky/sky.hpp"
 
@@ -12,6 +13,8 @@ namespace aluminate::sky {
 
 /// rgb of one coefficient each.
 using Sh9 = std::array<glm::dvec3, 9>;
+inline constexpr std::array<std::string_view, 9> kSh9Names{"00",  "1-1", "10", "11", "2-2",
+                                                           "2-1", "20",  "21", "22"};
 
 /// [Ramamoorthi01] Y00 = sqrt(1 / 4pi), Y1 = sqrt(3 / 4pi) (y, z, x), Y2 = sqrt(15 / 4pi) (xy, yz, ., xz,
 /// (x^2 - y^2) / 2) with Y20 = sqrt(5 / 16pi) (3 z^2 - 1). int Y_i Y_j dw = 1 if i = j, else 0.
@@ -21,6 +24,10 @@ using Sh9 = std::array<glm::dvec3, 9>;
 /// integrals of gradient and phi, both split at the sun and at every colour stop; error below 1e-8 of the
 /// largest coefficient.
 [[nodiscard]] Sh9 project(const Sky& sky);
+
+/// Coefficients rounded to multiples of 2^-20 (9.5e-7): what a renderer binds to a shader. The quadrature
+/// uses libm, whose last bits differ between systems; the grid keeps them out of pixels.
+[[nodiscard]] Sh9 snapped(const Sh9& light) noexcept;
 
 /// [Ramamoorthi01] E(n) = sum A_l c_lm Y_lm(n), A = pi, 2 pi / 3, pi / 4. bands = 2 keeps four coefficients,
 /// 3 all nine. Outgoing diffuse = cdiff E / pi. Normals away from a concentrated sky can go slightly

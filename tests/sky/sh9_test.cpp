@@ -222,6 +222,16 @@ TEST(Sh9, PolynomialConstantsAreThePublishedOnes) {
   EXPECT_NEAR(irradiance_polynomial(unit(6), z).x, 0.743125 - 0.247708, 2e-6);  // c3 - c5
 }
 
+TEST(Sh9, SnappedCoefficientsLieOnTheGridNextToTheirSource) {
+  const Sh9 c = project(colored(make_sky(kFarCry3Sky, 70.0, Relative::Sun, 1.1))), grid = snapped(c);
+  for (std::size_t i = 0; i < 9; ++i)
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LE(std::fabs(grid[i][k] - c[i][k]), 0x1p-21);
+      EXPECT_EQ(std::floor(grid[i][k] * 0x1p20), grid[i][k] * 0x1p20);
+    }
+  EXPECT_EQ(snapped(grid), grid);
+}
+
 TEST(Sh9, FourCoefficientsDropTheSecondBandOnly) {
   Sh9 c = project(make_sky(cie_type(12), 60.0));
   const glm::dvec3 n = direction(0.8, 0.2);
