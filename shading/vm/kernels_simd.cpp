@@ -45,7 +45,29 @@ HWY_INLINE V negative_fma(V a, V b, V c) {  // c - a*b
 #if HWY_NATIVE_FMA
   return hn::NegMulAdd(a, b, c);
 #else
-  return fma(hn::Neg(a), b, c);
+  return fma(hn::Xor(a, constant(-0.0)), b, c);
+#endif
+}
+
+// Highway's portable rounding loses the sign of zero; libm's does not.
+HWY_INLINE V floor_of(V a) {
+#if HWY_NATIVE_FMA
+  return hn::Floor(a);
+#else
+  HWY_ALIGN double x[hn::MaxLanes(D())];
+  hn::Store(a, D(), x);
+  for (std::size_t i = 0; i < hn::Lanes(D()); ++i) x[i] = std::floor(x[i]);
+  return hn::Load(D(), x);
+#endif
+}
+HWY_INLINE V trunc_of(V a) {
+#if HWY_NATIVE_FMA
+  return hn::Trunc(a);
+#else
+  HWY_ALIGN double x[hn::MaxLanes(D())];
+  hn::Store(a, D(), x);
+  for (std::size_t i = 0; i < hn::Lanes(D()); ++i) x[i] = std::trunc(x[i]);
+  return hn::Load(D(), x);
 #endif
 }
 
@@ -123,15 +145,15 @@ struct CopyOp {
 };
 struct FrcOp {
   explicit FrcOp(const Operation&) {}
-  V operator()(V a) const { return hn::Sub(a, hn::Floor(a)); }
+  V operator()(V a) const { return hn::Sub(a, floor_of(a)); }
 };
 struct FlrOp {
   explicit FlrOp(const Operation&) {}
-  V operator()(V a) const { return hn::Floor(a); }
+  V operator()(V a) const { return floor_of(a); }
 };
 struct TruncOp {
   explicit TruncOp(const Operation&) {}
-  V operator()(V a) const { return hn::Trunc(a); }
+  V operator()(V a) const { return trunc_of(a); }
 };
 
 struct RcpOp : Base {
@@ -141,7 +163,7 @@ struct RcpOp : Base {
     const V s = hn::PromoteTo(D(), hn::Div(one, hn::DemoteTo(F(), x)));
     return round(bound(fma(negative_fma(x, s, constant(1.0)), s, s)));
   }
-  V bound(V y) const { return greater_of(less_of(y, beyond), hn::Neg(beyond)); }
+  V bound(V y) const { return greater_of(less_of(y, beyond), hn::Xor(beyond, constant(-0.0))); }
   V beyond;
 };
 struct RcpReferenceOp : RcpOp {
