@@ -3,7 +3,6 @@
 // billed without being executed. The bill never depends on skips, threads, tile order or the vector unit.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -59,7 +58,14 @@ class BillSink {
   virtual void billed(std::span<const BilledStamp> stamps) = 0;
 };
 
-constexpr int covered_invocations(std::uint16_t covered) { return std::popcount(covered); }
+/// Written out: the baseline instruction set has no population count, and this runs per billed stamp.
+constexpr int covered_invocations(std::uint16_t covered) {
+  unsigned v = covered;
+  v = (v & 0x5555u) + (v >> 1 & 0x5555u);
+  v = (v & 0x3333u) + (v >> 2 & 0x3333u);
+  v = (v & 0x0f0fu) + (v >> 4 & 0x0f0fu);
+  return static_cast<int>((v + (v >> 8)) & 0x1fu);
+}
 /// 4 lanes of every quad with a bit set: covered plus helper invocations.
 constexpr std::uint16_t shaded_lanes(std::uint16_t covered) {
   const unsigned any = (covered | covered >> 1 | covered >> 2 | covered >> 3) & 0x1111u;

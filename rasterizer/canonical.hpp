@@ -96,10 +96,13 @@ inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept 
   return steps;
 }
 
+/// A from P.
+inline std::uint32_t anchor_of(std::uint64_t plane) noexcept {
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(plane) >> (kPlaneBits - kStampDepthBits));
+}
 /// A of the stamp whose first pixel is (x, y) of the tile.
 inline std::uint32_t depth_anchor(const DepthSteps& steps, int x, int y) noexcept {
-  const std::uint64_t plane = steps.origin + steps.px_x * static_cast<std::uint64_t>(x) + steps.px_y * static_cast<std::uint64_t>(y);
-  return static_cast<std::uint32_t>(static_cast<std::int64_t>(plane) >> (kPlaneBits - kStampDepthBits));
+  return anchor_of(steps.origin + steps.px_x * static_cast<std::uint64_t>(x) + steps.px_y * static_cast<std::uint64_t>(y));
 }
 
 }  // namespace aluminate::raster

@@ -115,8 +115,8 @@ class ChunkBuilder {
     }
     const CanonicalOrder order = canonical_order(a, b, c);
     const ScreenVertex* corner[3] = {&a, &b, &c};
-    const std::uint32_t number = static_cast<std::uint32_t>(scratch_.records.size());
-    SetupTriangle& record = scratch_.records.emplace_back();
+    const std::uint32_t number = scratch_.record_count++;
+    SetupTriangle& record = scratch_.records[number];
     fill_geometry(*corner[order.corner[0]], *corner[order.corner[1]], *corner[order.corner[2]], order.area2, record);
     record.id = id;
     record.draw = draw_;
@@ -219,7 +219,8 @@ class ChunkBuilder {
 void set_up_chunk(const ChunkInput& input, std::uint32_t chunk_number, ChunkScratch& scratch, Chunk& chunk) {
   chunk.runs.clear();
   chunk.clipped.clear();
-  scratch.records.clear();
+  if (!scratch.records) scratch.records = std::make_unique_for_overwrite<SetupTriangle[]>(kChunkTriangles * kMaxClipFragments);
+  scratch.record_count = 0;
   scratch.entries.clear();
   const std::size_t tiles = static_cast<std::size_t>(input.viewport.tile_count());
   if (scratch.tile_count.size() < tiles) scratch.tile_count.resize(tiles, 0);

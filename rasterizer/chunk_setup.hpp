@@ -52,7 +52,8 @@ struct ChunkScratch {
   struct Entry {
     std::uint32_t record = 0, tile = 0;
   };
-  std::vector<SetupTriangle> records;
+  std::unique_ptr<SetupTriangle[]> records;  // kChunkTriangles * kMaxClipFragments
+  std::uint32_t record_count = 0;
   std::vector<Entry> entries;
   std::vector<std::uint32_t> tile_count;   // zero between chunks
 };

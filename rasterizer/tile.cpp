@@ -8,6 +8,10 @@
 
 namespace aluminate::raster {
 
+namespace {
+constexpr std::size_t kPrefetchRuns = 3, kPrefetchRecords = 8;
+}
+
 struct TileRasterizer::State {
   explicit State(const Frame& f) : frame(f) {}
 
@@ -87,10 +91,16 @@ void TileRasterizer::draw_opaque(BillSink* bill) {
   State& s = *state_;
   const KernelOptions kernel = s.kernel_options(bill != nullptr);
   s.bill.sink = bill;
+  const bool in_order_exists = s.first_in_order < s.frame.draws().size();
   for (; s.run < s.runs.size(); ++s.run) {
     const RecordRun& run = s.runs[s.run];
+    // Runs lie far apart in memory and are short when triangles are small: fetch ahead what the next ones start with.
+    if (s.run + kPrefetchRuns < s.runs.size()) {
+      const RecordRun& ahead = s.runs[s.run + kPrefetchRuns];
+      for (std::size_t i = 0; i < std::min<std::size_t>(ahead.size(), kPrefetchRecords); ++i) __builtin_prefetch(&ahead[i]);
+    }
     std::size_t count = run.size();
-    if (run.back().draw >= s.first_in_order)
+    if (in_order_exists && run.back().draw >= s.first_in_order)
       count = static_cast<std::size_t>(
           std::partition_point(run.begin(), run.end(), [&](const SetupTriangle& t) { return t.draw < s.first_in_order; }) - run.begin());
     draw_opaque_records(s.tile, run.data(), count, kernel, s.bill, s.hiz);

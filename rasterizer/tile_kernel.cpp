@@ -55,12 +55,21 @@ HWY_INLINE Vector16 lane_plane(std::int32_t x, std::int32_t y) {
   return out;
 }
 
-/// Bits of lanes whose value is negative in none of the three.
-HWY_INLINE std::uint32_t inside_bits(const Vector16& a, const Vector16& b, const Vector16& c) {
-  std::uint32_t negative = 0;
-  for (std::size_t p = 0; p < kParts; ++p)
-    negative |= bits_of(hn::Lt(hn::Or(hn::Or(a.part[p], b.part[p]), c.part[p]), hn::Zero(kTag)), p);
-  return ~negative & 0xffffu;
+/// Covered lanes of a stamp, as masks and as bits.
+struct Coverage {
+  Mask mask[kParts];
+  std::uint32_t bits;
+};
+
+/// Lanes where none of the three edges is negative.
+HWY_INLINE Coverage inside(const Vector16& a, const Vector16& b, const Vector16& c) {
+  Coverage coverage;
+  coverage.bits = 0;
+  for (std::size_t p = 0; p < kParts; ++p) {
+    coverage.mask[p] = hn::Gt(hn::Or(hn::Or(a.part[p], b.part[p]), c.part[p]), hn::Set(kTag, -1));
+    coverage.bits |= bits_of(coverage.mask[p], p);
+  }
+  return coverage;
 }
 
 HWY_INLINE std::uint32_t max_of_stamp(const std::uint32_t* depth) {
@@ -103,6 +112,21 @@ HWY_INLINE void refresh_block(TileMemory& tile, int block, std::uint32_t z_min) 
   tile.block_writes[block] = 0;
 }
 
+// Stamp number from the stamp's column and row in the tile: one or of two table entries.
+struct StampNumbers {
+  std::uint8_t column[16], row[16];
+};
+constexpr StampNumbers make_stamp_numbers() {
+  StampNumbers numbers{};
+  for (int i = 0; i < 16; ++i) {
+    numbers.column[i] = static_cast<std::uint8_t>(stamp_of(i * kStampPx, 0));
+    numbers.row[i] = static_cast<std::uint8_t>(stamp_of(0, i * kStampPx));
+  }
+  return numbers;
+}
+constexpr StampNumbers kStampNumbers = make_stamp_numbers();
+HWY_INLINE int stamp_at(int x, int y) { return kStampNumbers.column[x >> 2] | kStampNumbers.row[y >> 2]; }
+
 /// A record in a tile: everything the stamp loops need, once.
 struct Walk {
   const SetupTriangle& record;
@@ -142,36 +166,60 @@ HWY_INLINE void set_edges(const TileMemory& tile, Walk& walk) {
   }
 }
 
-/// Calls emit(stamp, covered lanes, depth anchor) for every stamp with a covered pixel; skips blocks hidden for sure.
+/// The bounds hold one pixel only: whether the triangle covers it, without vectors.
+HWY_INLINE bool covers_single_pixel(const TileMemory& tile, const Walk& walk) {
+  const std::int64_t x = (tile.origin.x + walk.x0) * kSubpixels + kHalfPixel, y = (tile.origin.y + walk.y0) * kSubpixels + kHalfPixel;
+  return (biased_edge(walk.record, 0, x, y) | biased_edge(walk.record, 1, x, y) | biased_edge(walk.record, 2, x, y)) >= 0;
+}
+
+/// Calls emit.some(stamp, coverage, depth anchor) for every stamp with a covered pixel, emit.all(stamp, anchor) for the ones
+/// known to be covered whole, emit.block(block, plane, offsets) for 16 of those; skips blocks hidden for sure.
 /// ascending: in order of stamp numbers, which a bill with blocks above 4 px depends on; otherwise any fixed order.
 template <class Emit>
-HWY_INLINE void walk_stamps(TileMemory& tile, Walk& walk, bool block_hiz, bool ascending, std::uint64_t& hidden_blocks, Emit&& emit) {
+HWY_INLINE void walk_stamps(TileMemory& tile, Walk& walk, bool block_hiz, bool ascending, std::uint64_t& hidden_blocks, Emit& emit) {
   const SetupTriangle& t = walk.record;
-  walk.steps = depth_steps(t, tile.origin);
   set_edges(tile, walk);
   Vector16 lanes[3];
   for (int k = 0; k < 3; ++k) lanes[k] = lane_plane(-walk.dy[k], walk.dx[k]);
-  const auto stamp_inside = [&](int x, int y) HWY_ATTR {
+  const auto stamp_inside = [&](int x, int y) HWY_ATTR -> Coverage {
     Vector16 edge[3];
     for (int k = 0; k < 3; ++k) {
       const Vector16 base = broadcast(walk.c[k] - walk.dy[k] * x + walk.dx[k] * y);
       for (std::size_t p = 0; p < kParts; ++p) edge[k].part[p] = hn::Add(base.part[p], lanes[k].part[p]);
     }
-    return inside_bits(edge[0], edge[1], edge[2]);
+    return inside(edge[0], edge[1], edge[2]);
   };
 
   if (walk.x1 - walk.x0 < kBlockPx && walk.y1 - walk.y0 < kBlockPx && !ascending) {
     if (block_hiz && ((walk.x0 ^ walk.x1) | (walk.y0 ^ walk.y1)) < kBlockPx) {
-      const int block = stamp_of(walk.x0, walk.y0) >> 4;
+      const int block = stamp_at(walk.x0, walk.y0) >> 4;
       refresh_block(tile, block, t.z_min);
       if (static_cast<std::int32_t>(t.z_min) >= tile.block_max[block]) {
         ++hidden_blocks;
         return;
       }
     }
-    for (int y = walk.y0 & ~3; y <= walk.y1; y += 4)
-      for (int x = walk.x0 & ~3; x <= walk.x1; x += 4)
-        if (const std::uint32_t covered = stamp_inside(x, y)) emit(stamp_of(x, y), covered, depth_anchor(walk.steps, x, y));
+    const int x_first = walk.x0 & ~3, y_first = walk.y0 & ~3;
+    Vector16 row[3];
+    Vector step_x[3], step_y[3];
+    for (int k = 0; k < 3; ++k) {
+      const Vector first = hn::Set(kTag, walk.c[k] - walk.dy[k] * x_first + walk.dx[k] * y_first);
+      for (std::size_t p = 0; p < kParts; ++p) row[k].part[p] = hn::Add(first, lanes[k].part[p]);
+      // The last step leaves the tile and may wrap (lanes do); its value is never read.
+      step_x[k] = hn::Set(kTag, -walk.dy[k] * kStampPx);
+      step_y[k] = hn::Set(kTag, walk.dx[k] * kStampPx);
+    }
+    for (int y = y_first; y <= walk.y1; y += kStampPx) {
+      Vector16 edge[3] = {row[0], row[1], row[2]};
+      for (int x = x_first; x <= walk.x1; x += kStampPx) {
+        const Coverage covered = inside(edge[0], edge[1], edge[2]);
+        if (covered.bits != 0) emit.some(stamp_at(x, y), covered, depth_anchor(walk.steps, x, y));
+        for (int k = 0; k < 3; ++k)
+          for (std::size_t p = 0; p < kParts; ++p) edge[k].part[p] = hn::Add(edge[k].part[p], step_x[k]);
+      }
+      for (int k = 0; k < 3; ++k)
+        for (std::size_t p = 0; p < kParts; ++p) row[k].part[p] = hn::Add(row[k].part[p], step_y[k]);
+    }
     return;
   }
 
@@ -203,8 +251,11 @@ HWY_INLINE void walk_stamps(TileMemory& tile, Walk& walk, bool block_hiz, bool a
   std::uint32_t blocks = ~block_reject & 0xffffu;
   std::uint32_t in_bounds = 0;
   for (int y = walk.y0 / kBlockPx; y <= walk.y1 / kBlockPx; ++y)
-    for (int x = walk.x0 / kBlockPx; x <= walk.x1 / kBlockPx; ++x) in_bounds |= 1u << (stamp_of(x * kBlockPx, y * kBlockPx) >> 4);
+    for (int x = walk.x0 / kBlockPx; x <= walk.x1 / kBlockPx; ++x) in_bounds |= 1u << (stamp_at(x * kBlockPx, y * kBlockPx) >> 4);
   blocks &= in_bounds;
+  alignas(64) std::uint64_t stamp_offset[16];  // of the depth plane, within a block
+  for (int i = 0; i < 16; ++i)
+    stamp_offset[i] = walk.steps.px_x * static_cast<std::uint64_t>(kStampPx * lane_x(i)) + walk.steps.px_y * static_cast<std::uint64_t>(kStampPx * lane_y(i));
   while (blocks != 0) {
     const int block = std::countr_zero(blocks);
     blocks &= blocks - 1;
@@ -216,20 +267,28 @@ HWY_INLINE void walk_stamps(TileMemory& tile, Walk& walk, bool block_hiz, bool a
       }
     }
     const int block_x = stamp_x(block << 4), block_y = stamp_y(block << 4);
-    std::uint32_t stamps = 0xffffu, full = 0xffffu;
-    if ((block_accept >> block & 1) == 0) {
-      std::int32_t c[3];
-      for (int k = 0; k < 3; ++k) c[k] = walk.c[k] - walk.dy[k] * block_x + walk.dx[k] * block_y;
-      std::uint32_t reject;
-      classify(c, kStampPx, 2, reject, full);
-      stamps = ~reject & 0xffffu;
+    const std::uint64_t plane = walk.steps.origin + walk.steps.px_x * static_cast<std::uint64_t>(block_x) +
+                                walk.steps.px_y * static_cast<std::uint64_t>(block_y);
+    if (block_accept >> block & 1) {
+      emit.block(block, plane, stamp_offset);
+      continue;
     }
+    std::int32_t c[3];
+    for (int k = 0; k < 3; ++k) c[k] = walk.c[k] - walk.dy[k] * block_x + walk.dx[k] * block_y;
+    std::uint32_t reject, full;
+    classify(c, kStampPx, 2, reject, full);
+    std::uint32_t stamps = ~reject & 0xffffu;
     while (stamps != 0) {
       const int inner = std::countr_zero(stamps);
       stamps &= stamps - 1;
       const int x = block_x + kStampPx * lane_x(inner), y = block_y + kStampPx * lane_y(inner);
-      const std::uint32_t covered = full >> inner & 1 ? 0xffffu : stamp_inside(x, y);
-      if (covered != 0) emit(block << 4 | inner, covered, depth_anchor(walk.steps, x, y));
+      const std::uint32_t anchor = anchor_of(plane + stamp_offset[inner]);
+      if (full >> inner & 1) {
+        emit.all(block << 4 | inner, anchor);
+        continue;
+      }
+      const Coverage covered = stamp_inside(x, y);
+      if (covered.bits != 0) emit.some(block << 4 | inner, covered, anchor);
     }
   }
 }
@@ -248,7 +307,15 @@ struct StampDepth {
   }
 };
 
-/// Lanes of `covered` nearer than the stored maximum of the bill's block: decides a stamp none of whose pixels passes.
+/// Depth of one lane, the same definition.
+HWY_INLINE std::uint32_t pixel_depth(const Walk& walk, int stamp, int lane) {
+  const std::uint32_t anchor = depth_anchor(walk.steps, stamp_x(stamp), stamp_y(stamp));
+  const std::uint32_t lanes = anchor + walk.steps.lane_x * static_cast<std::uint32_t>(lane_x(lane)) + walk.steps.lane_y * static_cast<std::uint32_t>(lane_y(lane));
+  const std::int32_t z = static_cast<std::int32_t>(lanes) >> kStampDepthBits;
+  return static_cast<std::uint32_t>(std::clamp(z, static_cast<std::int32_t>(walk.record.z_min), static_cast<std::int32_t>(walk.record.z_max)));
+}
+
+/// Whether depth `nearest` lies before the stored maximum of the bill's block: decides a stamp none of whose pixels passes.
 HWY_INLINE bool passes_block(const TileMemory& tile, const BillRule& rule, int stamp, std::uint32_t nearest) {
   const int log2_stamps = rule.block_px == 4 ? 0 : rule.block_px == 8 ? 2 : 4;
   const int first = stamp >> log2_stamps << log2_stamps;
@@ -256,53 +323,116 @@ HWY_INLINE bool passes_block(const TileMemory& tile, const BillRule& rule, int s
   return nearest < (log2_stamps == 0 ? max_of_stamp(depth) : max_of_stamps(depth, 1 << log2_stamps));
 }
 
+/// Draws the stamps of one opaque record.
 template <BillRule::Kind kBill>
-HWY_INLINE void draw_stamp(TileMemory& tile, const Walk& walk, const StampDepth& depth, int stamp, std::uint32_t covered,
-                           std::uint32_t anchor, const KernelOptions& options, BillBuffer& bill) {
-  auto* stored = reinterpret_cast<std::int32_t*>(tile.depth) + stamp * 16;
-  auto* visible = reinterpret_cast<std::int32_t*>(tile.visibility) + stamp * 16;
-  std::uint32_t pass = 0;
-  Vector16 z;
-  Mask nearer[kParts];
-  for (std::size_t p = 0; p < kParts; ++p) {
-    z.part[p] = depth.at(anchor, p);
-    const Vector old = hn::Load(kTag, stored + p * kLanes);
-    alignas(8) const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(covered >> (p * kLanes)),
-                                              static_cast<std::uint8_t>(covered >> (p * kLanes) >> 8)};
-    nearer[p] = hn::And(hn::LoadMaskBits(kTag, bytes), hn::Lt(z.part[p], old));
-    pass |= bits_of(nearer[p], p);
+struct OpaqueStamps {
+  using Kind = BillRule::Kind;
+  TileMemory& tile;
+  const Walk& walk;
+  const KernelOptions& options;
+  BillBuffer& bill;
+  StampDepth depth;
+  Vector id;
+
+  HWY_INLINE OpaqueStamps(TileMemory& t, const Walk& w, const KernelOptions& o, BillBuffer& b)
+      : tile(t), walk(w), options(o), bill(b), depth(w), id(hn::Set(kTag, static_cast<std::int32_t>(w.record.id))) {}
+
+  HWY_INLINE void record_bill(int stamp, std::uint32_t lanes) {
+    bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(lanes), static_cast<std::uint8_t>(stamp)};
   }
-  if constexpr (kBill == BillRule::Kind::Everything) {
-    covered &= tile.inside[stamp];
-    if (covered != 0) bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(covered), static_cast<std::uint8_t>(stamp)};
-  } else if constexpr (kBill == BillRule::Kind::PerPixel) {
-    if (pass != 0) bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(pass), static_cast<std::uint8_t>(stamp)};
-  } else if constexpr (kBill == BillRule::Kind::Hierarchical) {
-    covered &= tile.inside[stamp];
-    bool billed = pass != 0;  // a pixel that passes is nearer than the block's maximum
-    if (!billed && covered != 0) {
-      alignas(64) std::uint32_t lane_depth[16];
-      for (std::size_t p = 0; p < kParts; ++p) hn::Store(z.part[p], kTag, reinterpret_cast<std::int32_t*>(lane_depth) + p * kLanes);
-      std::uint32_t nearest = kDepthMax;
-      for (std::uint32_t rest = covered; rest != 0; rest &= rest - 1) nearest = std::min(nearest, lane_depth[std::countr_zero(rest)]);
-      billed = passes_block(tile, options.bill, stamp, nearest);
+  HWY_INLINE void count_writes(int stamp, std::uint32_t pixels) {
+    tile.block_writes[stamp >> 4] += pixels;
+    tile.tile_writes += pixels;
+  }
+
+  HWY_INLINE void all(int stamp, std::uint32_t anchor) {
+    Coverage every;
+    every.bits = 0xffff;
+    count_writes(stamp, draw<true>(stamp, every, anchor));
+  }
+  HWY_INLINE void some(int stamp, const Coverage& covered, std::uint32_t anchor) {
+    count_writes(stamp, draw<false>(stamp, covered, anchor));
+  }
+  HWY_INLINE void block(int number, std::uint64_t plane, const std::uint64_t* offsets) {
+    Coverage every;
+    every.bits = 0xffff;
+    std::uint32_t written = 0;
+    for (int i = 0; i < 16; ++i) written += draw<true>(number << 4 | i, every, anchor_of(plane + offsets[i]));
+    count_writes(number << 4, written);
+  }
+
+  /// Returns the number of pixels written.
+  template <bool kAll>
+  HWY_INLINE std::uint32_t draw(int stamp, const Coverage& covered, std::uint32_t anchor) {
+    auto* stored = reinterpret_cast<std::int32_t*>(tile.depth) + stamp * 16;
+    auto* visible = reinterpret_cast<std::int32_t*>(tile.visibility) + stamp * 16;
+    std::uint32_t pass = 0;
+    Vector16 z, old;
+    Mask nearer[kParts];
+    for (std::size_t p = 0; p < kParts; ++p) {
+      z.part[p] = depth.at(anchor, p);
+      old.part[p] = hn::Load(kTag, stored + p * kLanes);
+      nearer[p] = hn::Lt(z.part[p], old.part[p]);
+      if constexpr (!kAll) nearer[p] = hn::And(covered.mask[p], nearer[p]);
+      pass |= bits_of(nearer[p], p);
     }
-    if (billed) bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(covered), static_cast<std::uint8_t>(stamp)};
+    if constexpr (kBill == Kind::Everything) {
+      const std::uint32_t lanes = covered.bits & tile.inside[stamp];
+      if (lanes != 0) record_bill(stamp, lanes);
+    } else if constexpr (kBill == Kind::PerPixel) {
+      if (pass != 0) record_bill(stamp, pass);
+    } else if constexpr (kBill == Kind::Hierarchical) {
+      const std::uint32_t lanes = covered.bits & tile.inside[stamp];
+      // A pixel that passes is nearer than the block's maximum; otherwise the maximum has to be known.
+      if (pass != 0 || (lanes != 0 && reaches_block(stamp, z, lanes))) record_bill(stamp, lanes);
+    }
+    if (pass == 0) return 0;
+    if (pass == 0xffff) {
+      for (std::size_t p = 0; p < kParts; ++p) {
+        hn::Store(z.part[p], kTag, stored + p * kLanes);
+        hn::Store(id, kTag, visible + p * kLanes);
+      }
+      return 16;
+    }
+    for (std::size_t p = 0; p < kParts; ++p) {
+      // Whole stores: the next triangle's load can be forwarded from them, from masked ones it cannot.
+      hn::Store(hn::IfThenElse(nearer[p], z.part[p], old.part[p]), kTag, stored + p * kLanes);
+      hn::Store(hn::IfThenElse(nearer[p], id, hn::Load(kTag, visible + p * kLanes)), kTag, visible + p * kLanes);
+    }
+    return static_cast<std::uint32_t>(std::popcount(pass));
   }
-  if (pass == 0) return;
-  for (std::size_t p = 0; p < kParts; ++p) {
-    const Vector old = hn::Load(kTag, stored + p * kLanes), old_id = hn::Load(kTag, visible + p * kLanes);
-    hn::Store(hn::IfThenElse(nearer[p], z.part[p], old), kTag, stored + p * kLanes);
-    hn::Store(hn::IfThenElse(nearer[p], hn::Set(kTag, static_cast<std::int32_t>(walk.record.id)), old_id), kTag, visible + p * kLanes);
+
+  HWY_INLINE bool reaches_block(int stamp, const Vector16& z, std::uint32_t lanes) const {
+    alignas(64) std::uint32_t lane_depth[16];
+    for (std::size_t p = 0; p < kParts; ++p) hn::Store(z.part[p], kTag, reinterpret_cast<std::int32_t*>(lane_depth) + p * kLanes);
+    std::uint32_t nearest = kDepthMax;
+    for (; lanes != 0; lanes &= lanes - 1) nearest = std::min(nearest, lane_depth[std::countr_zero(lanes)]);
+    return passes_block(tile, options.bill, stamp, nearest);
   }
-  const auto written = static_cast<std::uint32_t>(std::popcount(pass));
-  tile.block_writes[stamp >> 4] += written;
-  tile.tile_writes += written;
+};
+
+/// The same for a record of one covered pixel.
+template <BillRule::Kind kBill>
+HWY_INLINE void draw_single_pixel(TileMemory& tile, const Walk& walk, const KernelOptions& options, BillBuffer& bill) {
+  using Kind = BillRule::Kind;
+  const int stamp = stamp_at(walk.x0, walk.y0), lane = lane_of(walk.x0, walk.y0);
+  const std::uint32_t z = pixel_depth(walk, stamp, lane), element = static_cast<std::uint32_t>(stamp * 16 + lane);
+  const bool nearer = z < tile.depth[element];
+  const bool billed = kBill == Kind::Everything || (kBill == Kind::PerPixel && nearer) ||
+                      (kBill == Kind::Hierarchical && (nearer || passes_block(tile, options.bill, stamp, z)));
+  if (billed)
+    bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(1u << lane), static_cast<std::uint8_t>(stamp)};
+  if (!nearer) return;
+  tile.depth[element] = z;
+  tile.visibility[element] = walk.record.id;
+  ++tile.block_writes[stamp >> 4];
+  ++tile.tile_writes;
 }
 
 template <BillRule::Kind kBill>
 void draw_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
                   BillBuffer& bill, HizCounters& counters) {
+  const bool ascending = options.bill.block_px != 4;
   for (const SetupTriangle* t = records; t != records + count; ++t) {
     if (t->culled) continue;
     if (options.tile_hiz) {
@@ -316,14 +446,41 @@ void draw_records(TileMemory& tile, const SetupTriangle* records, std::size_t co
     if (!bound(tile, *t, walk)) continue;
     if constexpr (kBill != BillRule::Kind::Off)
       if (bill.count > BillBuffer::kCapacity - kStampsPerTile) bill.flush();
-    // The set-up of the walk has to come first: the depth of lanes needs its steps.
+    const bool single = walk.x0 == walk.x1 && walk.y0 == walk.y1;
+    if (single && !covers_single_pixel(tile, walk)) continue;
     walk.steps = depth_steps(*t, tile.origin);
-    const StampDepth depth(walk);
-    walk_stamps(tile, walk, options.block_hiz, options.bill.block_px != 4, counters.block, [&](int stamp, std::uint32_t covered, std::uint32_t anchor) HWY_ATTR {
-      draw_stamp<kBill>(tile, walk, depth, stamp, covered, anchor, options, bill);
-    });
+    if (single) {
+      draw_single_pixel<kBill>(tile, walk, options, bill);
+      continue;
+    }
+    OpaqueStamps<kBill> emit(tile, walk, options, bill);
+    walk_stamps(tile, walk, options.block_hiz, ascending, counters.block, emit);
   }
 }
+
+/// Collects the stamps of one in-order record.
+struct CollectStamps {
+  const TileMemory& tile;
+  const Walk& walk;
+  StampFragments& fragments;
+  StampDepth depth;
+
+  HWY_INLINE CollectStamps(const TileMemory& t, const Walk& w, StampFragments& f) : tile(t), walk(w), fragments(f), depth(w) {}
+  HWY_INLINE void all(int stamp, std::uint32_t anchor) { add(stamp, 0xffff, anchor); }
+  HWY_INLINE void some(int stamp, const Coverage& covered, std::uint32_t anchor) { add(stamp, covered.bits, anchor); }
+  HWY_INLINE void block(int number, std::uint64_t plane, const std::uint64_t* offsets) {
+    for (int i = 0; i < 16; ++i) add(number << 4 | i, 0xffff, anchor_of(plane + offsets[i]));
+  }
+  HWY_INLINE void add(int stamp, std::uint32_t covered, std::uint32_t anchor) {
+    covered &= tile.inside[stamp];
+    if (covered == 0) return;
+    const int n = fragments.count++;
+    fragments.stamp[n] = static_cast<std::uint8_t>(stamp);
+    fragments.covered[n] = static_cast<std::uint16_t>(covered);
+    for (std::size_t p = 0; p < kParts; ++p)
+      hn::Store(depth.at(anchor, p), kTag, reinterpret_cast<std::int32_t*>(fragments.depth[n]) + p * kLanes);
+  }
+};
 
 void DrawOpaque(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
                 BillBuffer& bill, HizCounters& counters) {
@@ -350,16 +507,8 @@ void FindFragments(TileMemory& tile, const SetupTriangle& record, const KernelOp
   Walk walk{record, {}, {}, {}, {}, 0, 0, 0, 0};
   if (!bound(tile, record, walk)) return;
   walk.steps = depth_steps(record, tile.origin);
-  const StampDepth depth(walk);
-  walk_stamps(tile, walk, options.block_hiz, options.bill.block_px != 4, counters.block, [&](int stamp, std::uint32_t covered, std::uint32_t anchor) HWY_ATTR {
-    covered &= tile.inside[stamp];
-    if (covered == 0) return;
-    const int n = fragments.count++;
-    fragments.stamp[n] = static_cast<std::uint8_t>(stamp);
-    fragments.covered[n] = static_cast<std::uint16_t>(covered);
-    for (std::size_t p = 0; p < kParts; ++p)
-      hn::Store(depth.at(anchor, p), kTag, reinterpret_cast<std::int32_t*>(fragments.depth[n]) + p * kLanes);
-  });
+  CollectStamps emit(tile, walk, fragments);
+  walk_stamps(tile, walk, options.block_hiz, options.bill.block_px != 4, counters.block, emit);
 }
 
 }  // namespace aluminate::raster::HWY_NAMESPACE
