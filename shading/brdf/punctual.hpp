@@ -38,12 +38,12 @@ struct SurfacePoint {
           clamped(glm::dot(normal, half)), clamped(glm::dot(half, to_eye))};
 }
 
-/// [McAuley12] [Hoffman10] One light's share: color (n.l) (cdiff + F V norm(m) (n.h)^m). 0 when n.l <= 0; n.v
-/// < 0, which interpolated normals produce, counts as 0. Diffuse is not reduced by 1 - F, as published.
+/// [McAuley12] [Hoffman10] One light's share: color (n.l) (cdiff + F V norm(m) (n.h)^m). A light below the
+/// horizon is dropped by its factor n.l = 0, as V is finite there. n.v < 0, which interpolated normals
+/// produce, counts as 0. Diffuse is not reduced by 1 - F, as published.
 [[nodiscard]] inline glm::dvec3 light_radiance(const SurfacePoint& surface, const IncidentLight& light,
                                                Variant variant) noexcept {
   const Cosines c = cosines(surface.normal, light.to_light, surface.to_eye);
-  if (c.n_dot_l <= 0.0) return glm::dvec3(0.0);
   const double lobe = scaled_visibility(variant.visibility, surface.m, c.n_dot_l, c.n_dot_v) *
                       blinn_phong_lobe(surface.m, c.n_dot_h);
   const double weight = term(variant.fresnel).weight(c.h_dot_v);

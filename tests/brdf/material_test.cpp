@@ -54,7 +54,10 @@ TEST(Srgb, KnownValues) {
   EXPECT_EQ(srgb_to_linear(1.0), 1.0);
   EXPECT_NEAR(srgb8_to_linear(188), 0.5, 0.003);  // byte 188 is the middle grey of light: one step is 0.005
   EXPECT_NEAR(linear_to_srgb(0.5), 0.735356983052449, 1e-14);
-  EXPECT_NEAR(linear_to_srgb(srgb_to_linear(0.3)), 0.3, 1e-15);
+  // Bytes on both sides of the joint, from the published table of the curve.
+  EXPECT_NEAR(srgb8_to_linear(10), 0.003035269835488375, 1e-17);
+  EXPECT_NEAR(srgb8_to_linear(11), 0.003346535763899161, 1e-17);
+  for (const double s : {0.01, 0.04, 0.042, 0.3, 0.99}) EXPECT_NEAR(linear_to_srgb(srgb_to_linear(s)), s, 4e-16);
 }
 
 TEST(Srgb, PiecesMeetAndTheCurveRises) {
