@@ -98,8 +98,10 @@ Sh9 project(const Sky& sky) {
 
   const double c1 = std::cos(sun_azimuth), s1 = std::sin(sun_azimuth);
   const double c2 = std::cos(2.0 * sun_azimuth), s2 = std::sin(2.0 * sun_azimuth);
-  return {sum.y00,      sum.y11 * s1, sum.y10,      sum.y11 * c1, sum.y22 * s2,
-          sum.y21 * s1, sum.y20,      sum.y21 * c1, sum.y22 * c2};
+  Sh9 turned{sum.y00,      sum.y11 * s1, sum.y10,      sum.y11 * c1, sum.y22 * s2,
+             sum.y21 * s1, sum.y20,      sum.y21 * c1, sum.y22 * c2};
+  for (glm::dvec3& c : turned) c += 0.0;  // a sine of 0 leaves -0, which prints
+  return turned;
 }
 
 Sh9 snapped(const Sh9& light) noexcept {

@@ -149,6 +149,14 @@ TEST(Sh9, TurnsWithTheSun) {
   EXPECT_NEAR(straight[5].x, 0.0, 1e-15);
 }
 
+TEST(Sh9, CoefficientsThatVanishAreNotNegativeZeros) {
+  for (const NamedSky& row : kNamedSkies) {
+    const Sh9 c = project(make_sky(row.parameters, 70.0));
+    for (const std::size_t i : {1u, 4u, 5u})
+      EXPECT_FALSE(std::signbit(c[i].x)) << row.name << ' ' << kSh9Names[i];
+  }
+}
+
 TEST(Sh9, UniformSkyHasTheClosedFormCoefficients) {
   const Sh9 c = project(make_sky(cie_type(5), 40.0));
   EXPECT_NEAR(c[0].x, std::sqrt(kPi), 1e-9);  // 2 pi Y00
