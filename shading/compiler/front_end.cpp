@@ -1,0 +1,180 @@
+#include "shading/compiler/front_end.hpp"
+
+#include "platform/host/error.hpp"
+#include "shading/compiler/diagnostics.hpp"
+#include "shading/compiler/source_scan.hpp"
+
+#define ENABLE_HLSL  // as Debian builds the library: declares the HLSL half of the interface
+#include <glslang/Public/ResourceLimits.h>
+#include <glslang/Public/ShaderLang.h>
+#include <glslang/SPIRV/GlslangToSpv.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <sstream>
+
+namespace aluminate::compiler {
+namespace {
+
+constexpr std::size_t kMaxIncludeDepth = 32;
+
+void initialise_glslang() {
+  static std::once_flag once;
+  std::call_once(once, [] { glslang::InitializeProcess(); });
+}
+
+// Resolves #include against the including file's folder, the source's folder and the include directories, in this order.
+class Includer final : public glslang::TShader::Includer {
+ public:
+  Includer(std::filesystem::path source_folder, const Options& options, std::set<std::string>& registers, std::size_t bytes)
+      : options_(options), source_folder_(std::move(source_folder)), registers_(registers), bytes_(bytes) {
+    for (const std::string& d : options.include_dirs) dirs_.emplace_back(d);
+  }
+
+  IncludeResult* includeLocal(const char* name, const char* includer, std::size_t depth) override {
+    return resolve(name, includer, depth, true);
+  }
+  IncludeResult* includeSystem(const char* name, const char* includer, std::size_t depth) override {
+    return resolve(name, includer, depth, false);
+  }
+  void releaseInclude(IncludeResult* result) override { delete result; }
+
+  const std::map<std::string, std::string>& texts() const { return texts_; }
+
+ private:
+  IncludeResult* failure(const std::string& why) {
+    messages_.push_back(std::make_unique<std::string>(why));
+    return new IncludeResult("", messages_.back()->data(), messages_.back()->size(), nullptr);
+  }
+
+  IncludeResult* resolve(const std::string& name, const std::string& includer, std::size_t depth, bool local) {
+    if (depth > kMaxIncludeDepth) return failure(fmt::format("#include nested deeper than {}", kMaxIncludeDepth));
+    // A source in memory, or a file in memory, includes from memory first: files of the same name on disk do not matter.
+    const bool from_memory = includer.empty() ? options_.source.has_value() : options_.files.contains(includer) || (includer == options_.source_path && options_.source);
+    if (from_memory && options_.files.contains(name)) return in_memory(name);
+    std::vector<std::filesystem::path> folders;
+    if (local && !includer.empty()) folders.push_back(std::filesystem::path(includer).parent_path());
+    folders.push_back(source_folder_);
+    folders.insert(folders.end(), dirs_.begin(), dirs_.end());
+    for (const auto& folder : folders) {
+      const std::filesystem::path path = folder.empty() ? std::filesystem::path(name) : folder / name;
+      std::error_code ignored;
+      if (!std::filesystem::is_regular_file(path, ignored)) continue;
+      std::ifstream in(path, std::ios::binary);
+      std::ostringstream content;
+      content << in.rdbuf();
+      std::string& text = texts_[path.string()];
+      text = std::move(content).str();
+      bytes_ += text.size();
+      if (bytes_ > kMaxTotalBytes) return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
+      scan_source(text, path.string());
+      find_explicit_registers(text, registers_);
+      return new IncludeResult(path.string(), text.data(), text.size(), nullptr);
+    }
+    if (options_.files.contains(name)) return in_memory(name);
+    return local ? nullptr : failure(fmt::format("cannot find include file '{}'", name));
+  }
+
+  IncludeResult* in_memory(const std::string& name) {
+    std::string& text = texts_[name];
+    text = options_.files.find(name)->second;
+    bytes_ += text.size();
+    if (bytes_ > kMaxTotalBytes) return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
+    scan_source(text, name);
+    find_explicit_registers(text, registers_);
+    return new IncludeResult(name, text.data(), text.size(), nullptr);
+  }
+
+  const Options& options_;
+  std::filesystem::path source_folder_;
+  std::vector<std::filesystem::path> dirs_;
+  std::map<std::string, std::string> texts_;
+  std::vector<std::unique_ptr<std::string>> messages_;
+  std::set<std::string>& registers_;
+  std::size_t bytes_;
+};
+
+std::string preamble_of(const Options& options) {
+  std::string text;
+  for (const auto& [name, value] : options.defines) {
+    const bool word = !name.empty() && name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos &&
+                      (name[0] < '0' || name[0] > '9');
+    if (!word) throw UserError(fmt::format("'{}' is not a name that can be defined", name), "-D NAME=VALUE");
+    if (value.find_first_of("\n\r") != std::string::npos) throw UserError(fmt::format("the definition of {} spans lines", name));
+    text += fmt::format("#define {} {}\n", name, value.empty() ? "1" : value);
+  }
+  return text;
+}
+
+}  // namespace
+
+FrontEndResult run_front_end(const Options& options, Language language, const std::string& text) {
+  initialise_glslang();
+  const bool hlsl = language == Language::Hlsl;
+  const EShLanguage stage = options.stage == vm::Stage::Pixel ? EShLangFragment : EShLangVertex;
+  const std::string file = options.source_path.empty() ? "shader" : options.source_path;
+
+  FrontEndResult result;
+  scan_source(text, file);
+  if (hlsl) {
+    refuse_effect_syntax(text, file);
+    find_explicit_registers(text, result.explicit_registers);
+  }
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw UserError(SourcePlace{file, 0, 0}, "the shader source is empty");
+
+  int messages = EShMsgSpvRules | EShMsgVulkanRules | EShMsgDebugInfo;
+  if (hlsl) messages |= EShMsgReadHlsl | EShMsgHlslDX9Compatible | EShMsgHlslOffsets | EShMsgHlslLegalization;
+
+  glslang::TShader shader(stage);
+  const char* strings[] = {text.c_str()};
+  const int lengths[] = {static_cast<int>(text.size())};
+  const char* names[] = {file.c_str()};
+  shader.setStringsWithLengthsAndNames(strings, lengths, names, 1);
+  const std::string preamble = preamble_of(options) + (hlsl ? "" : "#extension GL_GOOGLE_include_directive : enable\n#extension GL_EXT_control_flow_attributes : enable\n");
+  if (!preamble.empty()) shader.setPreamble(preamble.c_str());
+  shader.setEntryPoint(hlsl ? options.entry.c_str() : "main");
+  shader.setSourceEntryPoint(hlsl ? options.entry.c_str() : "main");
+  shader.setEnvInput(hlsl ? glslang::EShSourceHlsl : glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, 100);
+  shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_1);
+  shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_3);
+  shader.setAutoMapBindings(true);
+  shader.setAutoMapLocations(true);
+  shader.setDxPositionW(true);
+  if (hlsl) {
+    shader.setEnvTargetHlslFunctionality1();
+  } else {
+    shader.setEnvInputVulkanRulesRelaxed();
+    shader.setGlobalUniformBlockName("gl_DefaultUniformBlock");
+    shader.setGlobalUniformSet(0);
+    shader.setGlobalUniformBinding(0);
+  }
+
+  Includer includer(std::filesystem::path(file).parent_path(), options, result.explicit_registers, text.size());
+  const auto texts = [&](const std::string& name) -> const std::string* {
+    if (name == file) return &text;
+    const auto it = includer.texts().find(name);
+    return it == includer.texts().end() ? nullptr : &it->second;
+  };
+  const auto limits = *GetDefaultResources();
+  if (!shader.parse(&limits, hlsl ? 500 : 450, hlsl ? ENoProfile : ECoreProfile, false, false, static_cast<EShMessages>(messages), includer))
+    throw front_end_error(shader.getInfoLog(), file, texts, hlsl);
+
+  glslang::TProgram program;
+  program.addShader(&shader);
+  if (!program.link(static_cast<EShMessages>(messages))) throw front_end_error(program.getInfoLog(), file, texts, hlsl);
+  if (!program.mapIO()) throw front_end_error(program.getInfoLog(), file, texts, hlsl);
+
+  glslang::SpvOptions spv_options;
+  spv_options.generateDebugInfo = true;
+  spv_options.disableOptimizer = !hlsl;  // HLSL needs the legalisation passes
+  spv::SpvBuildLogger logger;
+  glslang::GlslangToSpv(*program.getIntermediate(stage), result.spirv, &logger, &spv_options);
+  if (const std::string log = logger.getAllMessages(); result.spirv.empty() || log.find("ERROR") != std::string::npos)
+    throw front_end_error(log, file, texts, hlsl);
+  return result;
+}
+
+}  // namespace aluminate::compiler
