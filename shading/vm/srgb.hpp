@@ -1,4 +1,4 @@
-// sRGB transfer function, exact: a table for decoding, thresholds for encoding, no libm at run time. [IEC61966]
+// sRGB transfer function, exact: a table for decoding, thresholds for encoding, no libm at run time. [IEC61966-2-1]
 //   decode  8-bit code -> 16-bit linear integer (65535 = 1), nearest
 //   encode  linear binary64 -> 8-bit code, round(255 f(x)) with f exact; monotone; NaN and x <= 0 give 0, x >= 1 gives 255
 // encode(decode(c) / 65535) == c for every code.
