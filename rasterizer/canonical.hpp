@@ -1,6 +1,7 @@
 // The canonical order of a snapped triangle and its depth plane: the definitions behind SetupTriangle.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -52,19 +53,27 @@ inline std::int64_t depth_slope(std::int64_t numerator, std::int64_t area2) noex
   return static_cast<std::int64_t>(slope);
 }
 
-/// Fills corners, plane and range. v0, v1, v2 are in canonical order.
-inline void fill_geometry(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2, std::int64_t area2,
-                          SetupTriangle& out) noexcept {
+/// Edge value of side k (corner k to the next) at (x, y) sub minus the tie bias: >= 0 inside. A sample on an edge belongs to
+/// the triangle when that edge is a top or a left one, so neighbours share every sample out [D3D11-FS 3.4.2].
+inline std::int64_t biased_edge(const SetupTriangle& t, int k, std::int64_t x, std::int64_t y) noexcept {
+  const int n = k == 2 ? 0 : k + 1;
+  const std::int64_t dx = t.x[n] - t.x[k], dy = t.y[n] - t.y[k];
+  const bool top_left = dy < 0 || (dy == 0 && dx > 0);
+  return dx * (y - t.y[k]) - dy * (x - t.x[k]) - (top_left ? 0 : 1);
+}
+
+/// Whether the triangle covers the centre of pixel (px, py).
+inline bool covers_pixel(const SetupTriangle& t, int px, int py) noexcept {
+  const std::int64_t x = std::int64_t{px} * kSubpixels + kHalfPixel, y = std::int64_t{py} * kSubpixels + kHalfPixel;
+  return (biased_edge(t, 0, x, y) | biased_edge(t, 1, x, y) | biased_edge(t, 2, x, y)) >= 0;
+}
+
+/// v0, v1, v2 are in canonical order.
+inline void fill_corners(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2, SetupTriangle& out) noexcept {
   out.x[0] = v0.x, out.x[1] = v1.x, out.x[2] = v2.x;
   out.y[0] = v0.y, out.y[1] = v1.y, out.y[2] = v2.y;
-  out.z0 = v0.z4;
-  const std::int32_t low = v0.z4 < v1.z4 ? (v0.z4 < v2.z4 ? v0.z4 : v2.z4) : (v1.z4 < v2.z4 ? v1.z4 : v2.z4);
-  const std::int32_t high = v0.z4 > v1.z4 ? (v0.z4 > v2.z4 ? v0.z4 : v2.z4) : (v1.z4 > v2.z4 ? v1.z4 : v2.z4);
-  out.z_min = depth_from_z4(low);
-  out.z_max = depth_from_z4(high);
-  const std::int64_t dz1 = v1.z4 - v0.z4, dz2 = v2.z4 - v0.z4;
-  out.z_dx = depth_slope(dz1 * (v2.y - v0.y) - dz2 * (v1.y - v0.y), area2);
-  out.z_dy = depth_slope(dz2 * (v1.x - v0.x) - dz1 * (v2.x - v0.x), area2);
+  out.z4[0] = v0.z4, out.z4[1] = v1.z4, out.z4[2] = v2.z4;
+  out.z_min = depth_from_z4(std::min(std::min(v0.z4, v1.z4), v2.z4));
 }
 
 /// Depth of a pixel, the definition (all arithmetic modulo 2^64, then 2^32; exact for every covered pixel because the true
@@ -78,14 +87,21 @@ struct DepthSteps {
   std::uint64_t origin;        // P at the centre of a tile's first pixel
   std::uint64_t px_x, px_y;    // 256 * slope: one pixel
   std::uint32_t lane_x, lane_y;  // gx, gy
+  std::int32_t z_min, z_max;
 };
 
 inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept {
+  const std::int64_t x1 = t.x[1] - t.x[0], x2 = t.x[2] - t.x[0], y1 = t.y[1] - t.y[0], y2 = t.y[2] - t.y[0];
+  const std::int64_t z1 = t.z4[1] - t.z4[0], z2 = t.z4[2] - t.z4[0];
+  const std::int64_t area2 = x1 * y2 - x2 * y1;
+  const auto dx = static_cast<std::uint64_t>(depth_slope(z1 * y2 - z2 * y1, area2));
+  const auto dy = static_cast<std::uint64_t>(depth_slope(z2 * x1 - z1 * x2, area2));
   DepthSteps steps;
-  const auto dx = static_cast<std::uint64_t>(t.z_dx), dy = static_cast<std::uint64_t>(t.z_dy);
+  steps.z_min = static_cast<std::int32_t>(t.z_min);
+  steps.z_max = static_cast<std::int32_t>(depth_from_z4(std::max(std::max(t.z4[0], t.z4[1]), t.z4[2])));
   const auto offset_x = static_cast<std::uint64_t>(std::int64_t{tile.x * kSubpixels + kHalfPixel - t.x[0]});
   const auto offset_y = static_cast<std::uint64_t>(std::int64_t{tile.y * kSubpixels + kHalfPixel - t.y[0]});
-  steps.origin = (static_cast<std::uint64_t>(t.z0) << (kPlaneBits - kVertexDepthBits)) + (std::uint64_t{1} << (kPlaneBits - 1)) +
+  steps.origin = (static_cast<std::uint64_t>(t.z4[0]) << (kPlaneBits - kVertexDepthBits)) + (std::uint64_t{1} << (kPlaneBits - 1)) +
                  dx * offset_x + dy * offset_y;
   steps.px_x = dx << kSubpixelBits;
   steps.px_y = dy << kSubpixelBits;

@@ -115,12 +115,16 @@ class ChunkBuilder {
     }
     const CanonicalOrder order = canonical_order(a, b, c);
     const ScreenVertex* corner[3] = {&a, &b, &c};
-    const std::uint32_t number = scratch_.record_count++;
-    SetupTriangle& record = scratch_.records[number];
-    fill_geometry(*corner[order.corner[0]], *corner[order.corner[1]], *corner[order.corner[2]], order.area2, record);
+    SetupTriangle& record = scratch_.records[scratch_.record_count];
+    fill_corners(*corner[order.corner[0]], *corner[order.corner[1]], *corner[order.corner[2]], record);
+    // One sample in the bounds: often the triangle misses it. Cheaper to know now than to carry it to a tile.
+    if (x0 == x1 && y0 == y1 && skip_small_ && !covers_pixel(record, x0, y0)) {
+      ++counters_.small;
+      return;
+    }
     record.id = id;
-    record.draw = draw_;
-    record.culled = culled;
+    record.draw_and_culled = draw_ | (culled ? SetupTriangle::kCulled : 0);
+    const std::uint32_t number = scratch_.record_count++;
     bin(record, number, static_cast<std::uint32_t>(x0) / kTilePx, static_cast<std::uint32_t>(x1) / kTilePx,
         static_cast<std::uint32_t>(y0) / kTilePx, static_cast<std::uint32_t>(y1) / kTilePx);
   }

@@ -30,7 +30,7 @@ ParallelFor host_threads();
 /// The calling thread, indices in ascending order.
 ParallelFor serial();
 
-/// Where a triangle id comes from and how it lies on the screen, corners in canonical order (see SetupTriangle).
+/// Where a triangle id comes from and how it lies on the screen, corners in canonical order (triangle.hpp).
 /// Clipping is hidden: barycentrics are always those of the submitted triangle.
 struct TriangleInfo {
   std::uint32_t draw = 0;

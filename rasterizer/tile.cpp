@@ -100,9 +100,9 @@ void TileRasterizer::draw_opaque(BillSink* bill) {
       for (std::size_t i = 0; i < std::min<std::size_t>(ahead.size(), kPrefetchRecords); ++i) __builtin_prefetch(&ahead[i]);
     }
     std::size_t count = run.size();
-    if (in_order_exists && run.back().draw >= s.first_in_order)
+    if (in_order_exists && run.back().draw() >= s.first_in_order)
       count = static_cast<std::size_t>(
-          std::partition_point(run.begin(), run.end(), [&](const SetupTriangle& t) { return t.draw < s.first_in_order; }) - run.begin());
+          std::partition_point(run.begin(), run.end(), [&](const SetupTriangle& t) { return t.draw() < s.first_in_order; }) - run.begin());
     draw_opaque_records(s.tile, run.data(), count, kernel, s.bill, s.hiz);
     if (count < run.size()) {
       s.record = count;
@@ -174,7 +174,7 @@ void TileRasterizer::State::add_triangle(const SetupTriangle& t, const Draw& dra
         break;
     }
     if (billed != 0)
-      bill.stamps[bill.count++] = {t.draw, static_cast<std::uint16_t>(billed), static_cast<std::uint8_t>(stamp)};
+      bill.stamps[bill.count++] = {t.draw(), static_cast<std::uint16_t>(billed), static_cast<std::uint8_t>(stamp)};
 
     for (unsigned quad = 0; quad < 4; ++quad) {
       const unsigned quad_visible = pass >> 4 * quad & 0xf, quad_billed = billed >> 4 * quad & 0xf;
@@ -184,7 +184,7 @@ void TileRasterizer::State::add_triangle(const SetupTriangle& t, const Draw& dra
         continue;
       }
       const std::size_t q = static_cast<std::size_t>(batch.count++);
-      batch.draw = t.draw;
+      batch.draw = t.draw();
       batch.triangle[q] = t.id;
       batch.x[q] = static_cast<std::uint16_t>(tile.origin.x + stamp_x(stamp) + static_cast<int>(quad & 1) * 2);
       batch.y[q] = static_cast<std::uint16_t>(tile.origin.y + stamp_y(stamp) + static_cast<int>(quad >> 1) * 2);
@@ -209,8 +209,8 @@ void TileRasterizer::draw_in_order(QuadShader& shader, BillSink* bill) {
     const RecordRun& run = s.runs[s.run];
     for (; s.record < run.size(); ++s.record) {
       const SetupTriangle& t = run[s.record];
-      if (s.batch.count != 0 && s.batch.draw != t.draw) s.shade_batch();
-      s.add_triangle(t, s.frame.draws()[t.draw], kernel);
+      if (s.batch.count != 0 && s.batch.draw != t.draw()) s.shade_batch();
+      s.add_triangle(t, s.frame.draws()[t.draw()], kernel);
     }
   }
   s.shade_batch();

@@ -146,14 +146,6 @@ HWY_INLINE bool bound(const TileMemory& tile, const SetupTriangle& t, Walk& walk
   return walk.x0 <= walk.x1 && walk.y0 <= walk.y1;
 }
 
-/// Edge value minus the tie bias: >= 0 inside. Ties go to top and left edges [D3D11-FS 3.4.2].
-HWY_INLINE std::int64_t biased_edge(const SetupTriangle& t, int k, std::int64_t x, std::int64_t y) {
-  const int n = k == 2 ? 0 : k + 1;
-  const std::int64_t dx = t.x[n] - t.x[k], dy = t.y[n] - t.y[k];
-  const bool top_left = dy < 0 || (dy == 0 && dx > 0);
-  return dx * (y - t.y[k]) - dy * (x - t.x[k]) - (top_left ? 0 : 1);
-}
-
 HWY_INLINE void set_edges(const TileMemory& tile, Walk& walk) {
   const SetupTriangle& t = walk.record;
   const std::int64_t x = tile.origin.x * kSubpixels + kHalfPixel, y = tile.origin.y * kSubpixels + kHalfPixel;
@@ -164,12 +156,6 @@ HWY_INLINE void set_edges(const TileMemory& tile, Walk& walk) {
     const std::int64_t c = biased_edge(t, k, x, y) >> kSubpixelBits;  // floor
     walk.c[k] = static_cast<std::int32_t>(std::min(std::max(c, kEdgeClampLow), kEdgeClampHigh));
   }
-}
-
-/// The bounds hold one pixel only: whether the triangle covers it, without vectors.
-HWY_INLINE bool covers_single_pixel(const TileMemory& tile, const Walk& walk) {
-  const std::int64_t x = (tile.origin.x + walk.x0) * kSubpixels + kHalfPixel, y = (tile.origin.y + walk.y0) * kSubpixels + kHalfPixel;
-  return (biased_edge(walk.record, 0, x, y) | biased_edge(walk.record, 1, x, y) | biased_edge(walk.record, 2, x, y)) >= 0;
 }
 
 /// Calls emit.some(stamp, coverage, depth anchor) for every stamp with a covered pixel, emit.all(stamp, anchor) for the ones
@@ -299,8 +285,8 @@ struct StampDepth {
   Vector low, high;
   HWY_INLINE explicit StampDepth(const Walk& walk)
       : offset(lane_plane(static_cast<std::int32_t>(walk.steps.lane_x), static_cast<std::int32_t>(walk.steps.lane_y))),
-        low(hn::Set(kTag, static_cast<std::int32_t>(walk.record.z_min))),
-        high(hn::Set(kTag, static_cast<std::int32_t>(walk.record.z_max))) {}
+        low(hn::Set(kTag, walk.steps.z_min)),
+        high(hn::Set(kTag, walk.steps.z_max)) {}
   HWY_INLINE Vector at(std::uint32_t anchor, std::size_t p) const {
     const Vector z = hn::ShiftRight<kStampDepthBits>(hn::Add(hn::Set(kTag, static_cast<std::int32_t>(anchor)), offset.part[p]));
     return hn::Min(hn::Max(z, low), high);
@@ -312,7 +298,7 @@ HWY_INLINE std::uint32_t pixel_depth(const Walk& walk, int stamp, int lane) {
   const std::uint32_t anchor = depth_anchor(walk.steps, stamp_x(stamp), stamp_y(stamp));
   const std::uint32_t lanes = anchor + walk.steps.lane_x * static_cast<std::uint32_t>(lane_x(lane)) + walk.steps.lane_y * static_cast<std::uint32_t>(lane_y(lane));
   const std::int32_t z = static_cast<std::int32_t>(lanes) >> kStampDepthBits;
-  return static_cast<std::uint32_t>(std::clamp(z, static_cast<std::int32_t>(walk.record.z_min), static_cast<std::int32_t>(walk.record.z_max)));
+  return static_cast<std::uint32_t>(std::clamp(z, walk.steps.z_min, walk.steps.z_max));
 }
 
 /// Whether depth `nearest` lies before the stored maximum of the bill's block: decides a stamp none of whose pixels passes.
@@ -338,7 +324,7 @@ struct OpaqueStamps {
       : tile(t), walk(w), options(o), bill(b), depth(w), id(hn::Set(kTag, static_cast<std::int32_t>(w.record.id))) {}
 
   HWY_INLINE void record_bill(int stamp, std::uint32_t lanes) {
-    bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(lanes), static_cast<std::uint8_t>(stamp)};
+    bill.stamps[bill.count++] = {walk.record.draw(), static_cast<std::uint16_t>(lanes), static_cast<std::uint8_t>(stamp)};
   }
   HWY_INLINE void count_writes(int stamp, std::uint32_t pixels) {
     tile.block_writes[stamp >> 4] += pixels;
@@ -421,7 +407,7 @@ HWY_INLINE void draw_single_pixel(TileMemory& tile, const Walk& walk, const Kern
   const bool billed = kBill == Kind::Everything || (kBill == Kind::PerPixel && nearer) ||
                       (kBill == Kind::Hierarchical && (nearer || passes_block(tile, options.bill, stamp, z)));
   if (billed)
-    bill.stamps[bill.count++] = {walk.record.draw, static_cast<std::uint16_t>(1u << lane), static_cast<std::uint8_t>(stamp)};
+    bill.stamps[bill.count++] = {walk.record.draw(), static_cast<std::uint16_t>(1u << lane), static_cast<std::uint8_t>(stamp)};
   if (!nearer) return;
   tile.depth[element] = z;
   tile.visibility[element] = walk.record.id;
@@ -434,7 +420,7 @@ void draw_records(TileMemory& tile, const SetupTriangle* records, std::size_t co
                   BillBuffer& bill, HizCounters& counters) {
   const bool ascending = options.bill.block_px != 4;
   for (const SetupTriangle* t = records; t != records + count; ++t) {
-    if (t->culled) continue;
+    if (t->culled()) continue;
     if (options.tile_hiz) {
       refresh_tile(tile, t->z_min);
       if (t->z_min >= tile.tile_max) {
@@ -447,7 +433,7 @@ void draw_records(TileMemory& tile, const SetupTriangle* records, std::size_t co
     if constexpr (kBill != BillRule::Kind::Off)
       if (bill.count > BillBuffer::kCapacity - kStampsPerTile) bill.flush();
     const bool single = walk.x0 == walk.x1 && walk.y0 == walk.y1;
-    if (single && !covers_single_pixel(tile, walk)) continue;
+    if (single && !covers_pixel(*t, tile.origin.x + walk.x0, tile.origin.y + walk.y0)) continue;
     walk.steps = depth_steps(*t, tile.origin);
     if (single) {
       draw_single_pixel<kBill>(tile, walk, options, bill);
@@ -496,7 +482,7 @@ void DrawOpaque(TileMemory& tile, const SetupTriangle* records, std::size_t coun
 void FindFragments(TileMemory& tile, const SetupTriangle& record, const KernelOptions& options, StampFragments& fragments,
                    HizCounters& counters) {
   fragments.count = 0;
-  if (record.culled) return;
+  if (record.culled()) return;
   if (options.tile_hiz) {
     refresh_tile(tile, record.z_min);
     if (record.z_min >= tile.tile_max) {
