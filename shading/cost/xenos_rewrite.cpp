@@ -94,6 +94,11 @@ class Rewriter {
       const bool root = node.dest == DestKind::Effect && node.special != Special::LoadAddress && node.special != Special::FetchSetup;
       if (!node.removed && (root || node.dest == DestKind::Export || node.dest == DestKind::Home || used[n] != 0)) reach(static_cast<int>(n));
     }
+    for (const auto* list : {&exports_, &homes_}) {
+      for (const Leaving& leaving : *list) {
+        if (leaving.ref.address_node >= 0) reach(leaving.ref.address_node);
+      }
+    }
     while (!pending.empty()) {
       const int n = pending.back();
       pending.pop_back();
@@ -375,6 +380,9 @@ class Rewriter {
       return leaving.ref.kind == Ref::Kind::Node ? &graph_.nodes[leaving.ref.index] : nullptr;
     };
     const auto leaves_elsewhere = [&](const Leaving& leaving) {
+      for (const Leaving& same : components) {  // the same result with a sign needs a register to be read from
+        if (same.ref.kind == Ref::Kind::Node && same.ref.index == leaving.ref.index && (same.negate || same.absolute)) return true;
+      }
       for (const Leaving& home : homes_) {
         if (home.ref.kind == Ref::Kind::Node && home.ref.index == leaving.ref.index) return true;
       }
