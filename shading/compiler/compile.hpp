@@ -32,7 +32,8 @@ struct Options {
   std::string entry = "main";
   std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE; an empty VALUE defines NAME as 1
   std::vector<std::string> include_dirs;                     // after the source's own folder
-  std::map<std::string, std::string, std::less<>> files;     // in memory, by name: found by #include after include_dirs
+  std::map<std::string, std::string, std::less<>> files;     // in memory, by name: found by #include after include_dirs,
+                                                             // before the disk when the includer is in memory too
   LoopMode loops = LoopMode::AsWritten;
   std::map<std::string, double> spec_constants;  // by constant_id in decimal ("3") or by name
   bool optimise = true;  // false: inlining and SSA form only; same values, more instructions

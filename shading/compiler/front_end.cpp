@@ -50,11 +50,20 @@ class Includer final : public glslang::TShader::Includer {
     return new IncludeResult("", messages_.back()->data(), messages_.back()->size(), nullptr);
   }
 
+  IncludeResult* found(const std::string& name, std::string content) {
+    bytes_ += content.size();
+    if (bytes_ > kMaxTotalBytes) return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
+    scan_source(content, name);
+    find_explicit_registers(content, registers_);
+    const std::string& text = texts_.try_emplace(name, std::move(content)).first->second;
+    return new IncludeResult(name, text.data(), text.size(), nullptr);
+  }
+
   IncludeResult* resolve(const std::string& name, const std::string& includer, std::size_t depth, bool local) {
     if (depth > kMaxIncludeDepth) return failure(fmt::format("#include nested deeper than {}", kMaxIncludeDepth));
-    // A source in memory, or a file in memory, includes from memory first: files of the same name on disk do not matter.
-    const bool from_memory = includer.empty() ? options_.source.has_value() : options_.files.contains(includer) || (includer == options_.source_path && options_.source);
-    if (from_memory && options_.files.contains(name)) return in_memory(name);
+    const auto in_memory = options_.files.find(name);
+    const bool from_memory = includer.empty() || includer == options_.source_path ? options_.source.has_value() : options_.files.contains(includer);
+    if (from_memory && in_memory != options_.files.end()) return found(name, in_memory->second);
     std::vector<std::filesystem::path> folders;
     if (local && !includer.empty()) folders.push_back(std::filesystem::path(includer).parent_path());
     folders.push_back(source_folder_);
@@ -66,26 +75,10 @@ class Includer final : public glslang::TShader::Includer {
       std::ifstream in(path, std::ios::binary);
       std::ostringstream content;
       content << in.rdbuf();
-      std::string& text = texts_[path.string()];
-      text = std::move(content).str();
-      bytes_ += text.size();
-      if (bytes_ > kMaxTotalBytes) return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
-      scan_source(text, path.string());
-      find_explicit_registers(text, registers_);
-      return new IncludeResult(path.string(), text.data(), text.size(), nullptr);
+      return found(path.string(), std::move(content).str());
     }
-    if (options_.files.contains(name)) return in_memory(name);
+    if (in_memory != options_.files.end()) return found(name, in_memory->second);
     return local ? nullptr : failure(fmt::format("cannot find include file '{}'", name));
-  }
-
-  IncludeResult* in_memory(const std::string& name) {
-    std::string& text = texts_[name];
-    text = options_.files.find(name)->second;
-    bytes_ += text.size();
-    if (bytes_ > kMaxTotalBytes) return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
-    scan_source(text, name);
-    find_explicit_registers(text, registers_);
-    return new IncludeResult(name, text.data(), text.size(), nullptr);
   }
 
   const Options& options_;
