@@ -50,8 +50,8 @@ struct PassWork {
   double triangles = 0;        // triangles reaching set-up
   double tiling_passes = 1;    // times the geometry is sent (edram.hpp); multiplies vertex and set-up work
   double resolve_pixels = 0;   // pixels copied from eDRAM to memory, one target each
-  std::vector<RopWork> rop;
-  std::vector<ByteStream> bytes;
+  std::vector<RopWork> rop{};
+  std::vector<ByteStream> bytes{};
 
   double total_bytes() const;
 };
