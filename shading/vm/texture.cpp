@@ -70,6 +70,18 @@ Texture Texture::from_rgba8(int width, int height, std::span<const std::uint8_t>
   texture.levels_.push_back({width, height, {rgba.begin(), rgba.end()}});
   while (mipmapped && (texture.levels_.back().width > 1 || texture.levels_.back().height > 1))
     texture.levels_.push_back(halve(texture.levels_.back(), srgb));
+  for (const MipLevel& level : texture.levels_) {
+    texture.linear_begin_.push_back(texture.linear_.size());
+    for (std::size_t i = 0; i < level.rgba.size(); i += 4) {
+      std::uint64_t texel = 0;
+      for (std::size_t c = 0; c < 4; ++c) {
+        const std::uint8_t code = level.rgba[i + c];
+        const std::uint64_t linear = srgb && c < 3 ? srgb_decode16(code) : std::uint64_t{code} * 257;
+        texel |= linear << (16 * c);
+      }
+      texture.linear_.push_back(texel);
+    }
+  }
   return texture;
 }
 

@@ -2,6 +2,7 @@
 // 16-bit linear integers (sRGB is decoded before filtering), so the result of a fetch is exact and the same everywhere.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,9 +33,15 @@ class Texture {
   bool srgb() const { return srgb_; }
   const std::vector<MipLevel>& levels() const { return levels_; }
 
+  /// What the filter reads: per texel of a level, row-major, four 16-bit linear channels, R in the low bits. Made at load
+  /// so that sRGB costs nothing per fetch; 8 bytes a texel.
+  const std::uint64_t* linear_texels(std::size_t level) const { return linear_.data() + linear_begin_[level]; }
+
  private:
   bool srgb_ = false;
   std::vector<MipLevel> levels_;
+  std::vector<std::uint64_t> linear_;        // all levels, one after the other
+  std::vector<std::size_t> linear_begin_;
 };
 
 /// What a sampler register is bound to for one draw.
