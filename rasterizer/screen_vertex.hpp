@@ -2,6 +2,7 @@
 // This scalar function is the definition; project_vertices() gives the same bits with vectors.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -32,11 +33,10 @@ struct ScreenMap {
   explicit ScreenMap(const Viewport& viewport)
       : half_x(viewport.width * 0.5),
         half_y(viewport.height * 0.5),
-        // One pixel inside the guard band, so that rounding after a cut never leaves it.
-        guard_low_x(half_x + (kGuardBandPx - 1)),
-        guard_high_x((kGuardBandPx - 1) - half_x),
-        guard_low_y(half_y + (kGuardBandPx - 1)),
-        guard_high_y((kGuardBandPx - 1) - half_y) {}
+        guard_low_x(half_x + kGuardBandPx),
+        guard_high_x(kGuardBandPx - half_x),
+        guard_low_y(half_y + kGuardBandPx),
+        guard_high_y(kGuardBandPx - half_y) {}
 };
 
 /// Signed distances to the planes triangles are cut at, >= 0 inside, homogeneous (times w).
@@ -64,12 +64,13 @@ inline bool snap_vertex(const ScreenMap& map, double x, double y, double z, doub
   const double sx = round_even((x / w) * half_x + half_x);
   const double sy = round_even(half_y - (y / w) * half_y);
   const double sz = round_even((z / w) * (static_cast<double>(kDepthMax) * (1 << kVertexDepthBits)));
-  constexpr double kLimit = kGuardBandSub;
-  const bool fits = w > 0 && std::fabs(sx) <= kLimit && std::fabs(sy) <= kLimit && sz >= 0 &&
+  // A corner cut at the guard band may miss it by the rounding of its own coordinates: a pixel is forgiven and held back.
+  constexpr double kLimit = kGuardBandSub, kForgiven = kLimit + kSubpixels;
+  const bool fits = w > 0 && std::fabs(sx) <= kForgiven && std::fabs(sy) <= kForgiven && sz >= 0 &&
                     sz <= static_cast<double>(kDepthMax) * (1 << kVertexDepthBits);
   if (!fits) return false;
-  out.x = static_cast<std::int32_t>(sx);
-  out.y = static_cast<std::int32_t>(sy);
+  out.x = static_cast<std::int32_t>(std::clamp(sx, -kLimit, kLimit));
+  out.y = static_cast<std::int32_t>(std::clamp(sy, -kLimit, kLimit));
   out.z4 = static_cast<std::int32_t>(sz);
   return true;
 }

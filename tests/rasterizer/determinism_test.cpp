@@ -1,0 +1,178 @@
+// One picture, one bill, whatever the threads, the order of tiles, the skips and the vector unit.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <numeric>
+#include <random>
+#include <thread>
+
+#include "rasterizer/vector_target.hpp"
+#include "tests/rasterizer/suites.hpp"
+
+namespace aluminate::raster::test {
+namespace {
+
+/// Really runs on n threads, and hands indices out in a shuffled order.
+ParallelFor threads(int n) {
+  return {n, [n](std::int64_t count, const ParallelFor::Item& item) {
+            std::vector<std::int64_t> order(static_cast<std::size_t>(count));
+            std::iota(order.begin(), order.end(), 0);
+            std::shuffle(order.begin(), order.end(), std::mt19937(static_cast<unsigned>(n)));
+            std::atomic<std::size_t> next{0};
+            std::vector<std::thread> pool;
+            for (int worker = 0; worker < n; ++worker)
+              pool.emplace_back([&, worker] {
+                for (std::size_t i; (i = next++) < order.size();) item(order[i], worker);
+              });
+            for (std::thread& t : pool) t.join();
+          }};
+}
+
+/// Several chunks of mixed draws: opaque layers with equal depths, masked and blended ones.
+Geometry busy_frame() {
+  Geometry g;
+  g.viewport = {333, 217};
+  std::mt19937 random(99);
+  const auto real = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
+  const auto soup = [&](int count, double size) {
+    for (int i = 0; i < count; ++i) {
+      const double cx = real(-10, 343), cy = real(-10, 227), depth = static_cast<double>(random() % 16) / 16;
+      std::uint32_t v[3];
+      for (std::uint32_t& corner : v) corner = g.add_pixel_vertex(cx + real(-size, size), cy + real(-size, size), depth + (random() % 2 ? real(0, 0.05) : 0), real(0.2, 3));
+      g.add_triangle(v[0], v[1], v[2]);
+    }
+  };
+  soup(3000, 12);
+  g.end_draw();
+  soup(300, 80);
+  g.end_draw(CullMode::Back);
+  soup(1500, 20);
+  g.end_draw(CullMode::None, DrawClass::InOrder, true).execute_billed = true;
+  soup(800, 30);
+  g.end_draw(CullMode::None, DrawClass::InOrder, false);
+  return g;
+}
+
+constexpr BillRule kRules[] = {{BillRule::Kind::Everything, 4}, {BillRule::Kind::Hierarchical, 4}, {BillRule::Kind::Hierarchical, 8},
+                               {BillRule::Kind::Hierarchical, 16}, {BillRule::Kind::PerPixel, 4}};
+
+TEST(Determinism, ThreadCountAndTileOrderDoNotMatter) {
+  const Geometry g = busy_frame();
+  const Picture expected = draw_expected(g, {});
+  for (const int n : {1, 2, 3, 7, 64}) {
+    CandidateOptions options;
+    options.setup_threads = threads(n);
+    options.tile_order_seed = static_cast<std::uint32_t>(n);
+    EXPECT_EQ(difference(draw_candidate(g, options), expected), "") << n << " threads";
+  }
+}
+
+TEST(Determinism, AFrameCanBeReusedForAnotherViewport) {
+  const Geometry big = busy_frame();
+  Geometry small = busy_frame();
+  small.viewport = {61, 40};
+  Frame reused, fresh;
+  reused.set_up(big.input(), serial());
+  reused.set_up(small.input(), serial());
+  fresh.set_up(small.input(), serial());
+  ASSERT_EQ(reused.counters().bin_entries, fresh.counters().bin_entries);
+  for (int tile = 0; tile < small.viewport.tile_count(); ++tile) {
+    ASSERT_EQ(reused.tile_runs(tile).size(), fresh.tile_runs(tile).size());
+    for (std::size_t run = 0; run < fresh.tile_runs(tile).size(); ++run)
+      ASSERT_TRUE(std::equal(reused.tile_runs(tile)[run].begin(), reused.tile_runs(tile)[run].end(), fresh.tile_runs(tile)[run].begin(),
+                             fresh.tile_runs(tile)[run].end(), [](const SetupTriangle& a, const SetupTriangle& b) { return a.id == b.id && a.z_min == b.z_min; }));
+  }
+}
+
+TEST(Skips, AnyOfThemOffLeavesPictureAndBillAlone) {
+  const Geometry g = busy_frame();
+  for (const BillRule& rule : kRules) {
+    const Picture expected = draw_expected(g, rule);
+    for (std::size_t skip = 0; skip <= kSkipNames.size(); ++skip) {
+      CandidateOptions options;
+      options.bill = rule;
+      if (skip == kSkipNames.size()) options.skips = SkipSet::none();
+      else options.skips.disable(static_cast<Skip>(skip));
+      EXPECT_EQ(difference(draw_candidate(g, options), expected), "") << (skip < kSkipNames.size() ? kSkipNames[skip] : "all off") << " rule " << static_cast<int>(rule.kind);
+    }
+  }
+}
+
+TEST(Skips, EachOneSavesWorkAndCountsIt) {
+  Geometry g = busy_frame();
+  const std::uint32_t a = g.add_pixel_vertex(-500, 10, 0.5), b = g.add_pixel_vertex(-400, 10, 0.5), c = g.add_pixel_vertex(-450, 90, 0.5);
+  g.add_triangle(a, b, c);
+  const std::uint32_t d = g.add_pixel_vertex(20.6, 20.6, 0.5), e = g.add_pixel_vertex(20.7, 20.6, 0.5), f = g.add_pixel_vertex(20.6, 20.7, 0.5);
+  g.add_triangle(d, e, f);
+  g.end_draw(CullMode::None, DrawClass::InOrder, false);
+  const Picture on = draw_candidate(g, {});
+  CandidateOptions options;
+  options.skips = SkipSet::none();
+  const Picture off = draw_candidate(g, options);
+  EXPECT_GT(on.setup.frustum, 0u);
+  EXPECT_GT(on.setup.facing, 0u);
+  EXPECT_GT(on.setup.small, 0u);
+  EXPECT_GT(on.tiles.tile_hiz + on.tiles.block_hiz, 0u);
+  EXPECT_GT(on.tiles.block_hiz, 0u);
+  EXPECT_GT(on.tiles.early_z, 0u);
+  EXPECT_EQ(off.setup.facing + off.setup.small + off.tiles.tile_hiz + off.tiles.block_hiz + off.tiles.early_z, 0u);
+  EXPECT_GT(off.setup.bin_entries, on.setup.bin_entries);
+  EXPECT_GT(off.tiles.quads_shaded, on.tiles.quads_shaded);
+}
+
+TEST(Bill, NoSinkMeansNoBillAndTheSamePicture) {
+  const Geometry g = busy_frame();
+  Picture expected = draw_expected(g, {BillRule::Kind::Off, 4});
+  CandidateOptions options;
+  options.with_bill = false;
+  EXPECT_EQ(difference(draw_candidate(g, options), expected), "");
+}
+
+TEST(Bill, RulesOrderTheirTotals) {
+  const Geometry g = busy_frame();
+  std::vector<std::uint64_t> totals;
+  for (const BillRule& rule : kRules) {
+    CandidateOptions options;
+    options.bill = rule;
+    const Picture picture = draw_candidate(g, options);
+    totals.push_back(std::accumulate(picture.planes.billed_per_draw.begin(), picture.planes.billed_per_draw.end(), std::uint64_t{0}));
+  }
+  // Coarser blocks reject less; a per-pixel test rejects most.
+  EXPECT_GT(totals[0], totals[3]);
+  EXPECT_GE(totals[3], totals[2]);
+  EXPECT_GE(totals[2], totals[1]);
+  EXPECT_GT(totals[1], totals[4]);
+}
+
+class VectorUnits : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { use_vector_target(GetParam()); }
+  void TearDown() override { use_vector_target(""); }
+};
+INSTANTIATE_TEST_SUITE_P(Units, VectorUnits, testing::ValuesIn(vector_targets()), [](const auto& unit) { return unit.param; });
+
+TEST_P(VectorUnits, DrawTheSamePictureAndBill) {
+  const Geometry g = busy_frame();
+  for (const BillRule& rule : kRules) {
+    CandidateOptions options;
+    options.bill = rule;
+    EXPECT_EQ(difference(draw_candidate(g, options), draw_expected(g, rule)), "");
+  }
+}
+
+TEST_P(VectorUnits, PassEveryConformanceSuiteOnItsFirstSeeds) {
+  for (const Suite& suite : suites()) {
+    if (suite.name == "large-viewport") continue;
+    for (std::uint32_t seed = 0; seed < 3; ++seed) {
+      const SuiteCase test = suite.make(seed);
+      CandidateOptions options;
+      options.bill = test.bill;
+      EXPECT_EQ(difference(draw_candidate(test.geometry, options), draw_expected(test.geometry, test.bill)), "") << suite.name << " " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace aluminate::raster::test

@@ -1,0 +1,178 @@
+// Set-up: what is dropped, what is counted, how cut edges meet, and that vectors project like the scalar definition.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "platform/host/error.hpp"
+#include "rasterizer/clip.hpp"
+#include "rasterizer/quads.hpp"
+#include "rasterizer/vector_target.hpp"
+#include "tests/rasterizer/candidate.hpp"
+
+namespace aluminate::raster::test {
+namespace {
+
+TEST(SetUp, DropsTrianglesWithNonFiniteCornersWholeAndCountsThem) {
+  Geometry g;
+  const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  const std::uint32_t a = g.add_pixel_vertex(1, 1, 0.5), b = g.add_pixel_vertex(60, 1, 0.5), c = g.add_pixel_vertex(1, 60, 0.5);
+  for (const double bad : {inf, -inf, nan})
+    for (int component = 0; component < 4; ++component) {
+      double v[4] = {0, 0, 0.5, 1};
+      v[component] = bad;
+      g.add_triangle(a, b, g.add_vertex(v[0], v[1], v[2], v[3]));
+    }
+  g.add_triangle(a, b, c);
+  g.end_draw();
+  Frame frame;
+  frame.set_up(g.input(), serial());
+  EXPECT_EQ(frame.counters().dropped_nonfinite, 12u);
+  EXPECT_EQ(frame.counters().binned, 1u);
+}
+
+TEST(SetUp, SharedCutEdgesGetBitIdenticalCorners) {
+  std::mt19937 random(21);
+  const ScreenMap map({640, 480});
+  const auto real = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
+  int cut = 0;
+  for (int i = 0; i < 2000; ++i) {
+    ClipCorner shared[2], apex[2];
+    for (ClipCorner* c : {&shared[0], &shared[1], &apex[0], &apex[1]}) *c = {real(-200, 200), real(-200, 200), real(-1, 2), real(-1, 2), 0, 0};
+    const ClipPolygon left = clip_triangle(map, shared[0], shared[1], apex[0]), right = clip_triangle(map, apex[1], shared[1], shared[0]);
+    // The shared edge seen from both sides: reclip it alone, as a flat triangle, and find its ends in both polygons.
+    const auto on_edge = [&](const ClipPolygon& polygon) {
+      std::vector<std::array<double, 4>> points;
+      const ClipPolygon edge = clip_triangle(map, shared[0], shared[1], shared[0]);
+      for (int e = 0; e < edge.count; ++e)
+        for (int k = 0; k < polygon.count; ++k) {
+          const ClipCorner &p = edge.corner[static_cast<std::size_t>(e)], &q = polygon.corner[static_cast<std::size_t>(k)];
+          if (std::memcmp(&p, &q, 4 * sizeof(double)) == 0) points.push_back({p.x, p.y, p.z, p.w});
+        }
+      std::sort(points.begin(), points.end());
+      points.erase(std::unique(points.begin(), points.end()), points.end());
+      return points;
+    };
+    const auto l = on_edge(left), r = on_edge(right);
+    EXPECT_EQ(l, r);
+    const ClipPolygon edge = clip_triangle(map, shared[0], shared[1], shared[0]);
+    if (edge.count != 0 && l.size() >= 2 && (l[0] != std::array{shared[0].x, shared[0].y, shared[0].z, shared[0].w})) ++cut;
+  }
+  EXPECT_GT(cut, 100);
+}
+
+TEST(SetUp, VectorProjectionIsTheScalarOneBitForBit) {
+  std::mt19937 random(31);
+  const ScreenMap map({1279, 717});
+  std::vector<double> p[4];
+  for (int i = 0; i < 5000; ++i) {
+    // Groups wholly inside, groups wholly outside, and mixed ones; values whose quotients tie on a sub.
+    const bool inside = i / 64 % 3 != 0;
+    const double w = inside ? 0.5 + random() * 0x1p-31 : random() * 0x1p-31 - 1, range = inside ? w : 3;
+    for (int k = 0; k < 2; ++k) p[k].push_back(range * (random() * 0x1p-31 - 1));
+    p[2].push_back(inside ? w * (random() * 0x1p-32) : random() * 0x1p-31 - 0.5);
+    p[3].push_back(w);
+  }
+  p[0][100] = std::numeric_limits<double>::quiet_NaN();
+  p[3][200] = 0;
+  p[3][300] = 1e-320;
+  for (const std::string& unit : vector_targets()) {
+    use_vector_target(unit);
+    std::vector<ScreenVertex> out(p[0].size());
+    project_vertices(map, {p[0], p[1], p[2], p[3]}, 0, out.size(), out.data());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const ScreenVertex expected = project_vertex(map, p[0][i], p[1][i], p[2][i], p[3][i]);
+      ASSERT_EQ(std::memcmp(&out[i], &expected, sizeof expected), 0) << unit << " vertex " << i;
+    }
+  }
+  use_vector_target("");
+}
+
+TEST(SetUp, NamesWhatIsWrongWithTheInput) {
+  Frame frame;
+  Geometry g;
+  g.viewport = {0, 10};
+  EXPECT_THROW(frame.set_up(g.input(), serial()), UserError);
+  g.viewport = {16385, 10};
+  EXPECT_THROW(frame.set_up(g.input(), serial()), UserError);
+  g.viewport = {10, 10};
+  g.add_vertex(0, 0, 0, 1);
+  g.add_triangle(0, 0, 1);
+  g.end_draw();
+  EXPECT_THROW(frame.set_up(g.input(), serial()), InternalError);  // vertex 1 of 1
+  g.indices = {0, 0, 0};
+  g.draws[0].draw_class = DrawClass::InOrder;
+  g.indices.insert(g.indices.end(), {0, 0, 0});
+  g.end_draw();
+  EXPECT_THROW(frame.set_up(g.input(), serial()), InternalError);  // opaque after in-order
+  EXPECT_THROW(use_vector_target("abacus"), UserError);
+}
+
+TEST(SetUp, LargestViewportIsDrawn) {
+  Geometry g;
+  g.viewport = {16384, 16384};
+  const std::uint32_t a = g.add_pixel_vertex(16383, 16383, 0.5), b = g.add_pixel_vertex(16384, 16383, 0.5), c = g.add_pixel_vertex(16383, 16384, 0.5), d = g.add_pixel_vertex(16384, 16384, 0.5);
+  g.add_triangle(a, b, c);
+  g.add_triangle(b, d, c);
+  g.end_draw();
+  Frame frame;
+  frame.set_up(g.input(), serial());
+  ASSERT_EQ(frame.tile_order().size(), 1u);
+  TileRasterizer tiles(frame, {});
+  tiles.begin(static_cast<int>(frame.tile_order()[0]));
+  tiles.draw_opaque(nullptr);
+  std::vector<VisibleQuad> quads;
+  gather_visible_quads(frame, tiles.view(), quads);
+  ASSERT_EQ(quads.size(), 1u);
+  EXPECT_EQ(quads[0].x, 16382);
+  EXPECT_EQ(quads[0].y, 16382);
+  EXPECT_EQ(quads[0].lanes, 8);
+}
+
+TEST(VisibleQuads, HoldEveryVisiblePixelOnceGroupedByDraw) {
+  Geometry g;
+  g.viewport = {150, 100};
+  std::mt19937 random(41);
+  for (int draw = 0; draw < 5; ++draw) {
+    for (int i = 0; i < 30; ++i) {
+      std::uint32_t v[3];
+      for (std::uint32_t& corner : v) corner = g.add_pixel_vertex(random() % 170 - 10.0, random() % 120 - 10.0, random() * 0x1p-32);
+      g.add_triangle(v[0], v[1], v[2]);
+    }
+    g.end_draw();
+  }
+  Frame frame;
+  frame.set_up(g.input(), serial());
+  TileRasterizer tiles(frame, {});
+  std::vector<VisibleQuad> quads;
+  std::size_t pixels = 0;
+  for (const std::uint32_t tile : frame.tile_order()) {
+    tiles.begin(static_cast<int>(tile));
+    tiles.draw_opaque(nullptr);
+    const TileView view = tiles.view();
+    gather_visible_quads(frame, view, quads);
+    std::vector<int> seen(kTilePixels, 0);
+    for (std::size_t q = 0; q < quads.size(); ++q) {
+      if (q > 0) {
+        EXPECT_LE(quads[q - 1].draw, quads[q].draw);
+      }
+      EXPECT_EQ(frame.triangle(quads[q].triangle).draw, quads[q].draw);
+      EXPECT_EQ(quads[q].x % 2 + quads[q].y % 2, 0);
+      for (int lane = 0; lane < 4; ++lane) {
+        if ((quads[q].lanes >> lane & 1) == 0) continue;
+        const auto element = static_cast<std::size_t>(TileView::element(quads[q].x + (lane & 1) - view.origin.x, quads[q].y + (lane >> 1) - view.origin.y));
+        EXPECT_EQ(view.visibility[element], quads[q].triangle);
+        ++seen[element];
+      }
+    }
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_EQ(seen[i], view.visibility[i] == kNoTriangle ? 0 : 1);
+      pixels += static_cast<std::size_t>(seen[i]);
+    }
+  }
+  EXPECT_GT(pixels, 5000u);
+}
+
+}  // namespace
+}  // namespace aluminate::raster::test
