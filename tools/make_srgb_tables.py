@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints shading/vm/srgb_tables.hpp: the sRGB transfer function [IEC61966] as exactly rounded tables.
+"""Prints shading/vm/srgb_tables.hpp: the sRGB transfer function [IEC61966-2-1] as exactly rounded tables.
 
 usage: tools/make_srgb_tables.py > shading/vm/srgb_tables.hpp      (needs python3-mpmath)
 """

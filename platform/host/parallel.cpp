@@ -16,8 +16,25 @@
 #include "platform/host/error.hpp"
 #include "platform/host/interrupt.hpp"
 
+#ifdef ALUMINATE_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace aluminate::host {
 namespace {
+
+// The scheduler's library is not instrumented: ThreadSanitizer has to be told what orders its threads. This file is then
+// compiled without instrumentation (see CMakeLists.txt), the items are not.
+void tell_released([[maybe_unused]] void* what) {
+#ifdef ALUMINATE_THREAD_SANITIZER
+  __tsan_release(what);
+#endif
+}
+void tell_acquired([[maybe_unused]] void* what) {
+#ifdef ALUMINATE_THREAD_SANITIZER
+  __tsan_acquire(what);
+#endif
+}
 
 int usable_cores() {
   cpu_set_t cores;
@@ -126,15 +143,19 @@ void run_parallel(std::int64_t count, std::int64_t grain, ItemFunction item, voi
     for (std::int64_t index = 0; index < count; ++index) job.run(index, current_worker);
   } else {
     const RunningScope running;
+    tell_released(&job);
     threads().ready_arena().execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<std::int64_t>(0, count, static_cast<std::size_t>(grain)),
           [&job](const tbb::blocked_range<std::int64_t>& range) {
+            tell_acquired(&job);
             const WorkerScope scope(tbb::this_task_arena::current_thread_index());
             for (std::int64_t index = range.begin(); index < range.end(); ++index) job.run(index, current_worker);
+            tell_released(&job);
           },
           tbb::simple_partitioner());
     });
+    tell_acquired(&job);
   }
   job.rethrow();
 }
