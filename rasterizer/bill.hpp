@@ -17,7 +17,7 @@ struct BillRule {
     Everything,    // no rejection: every quad with a covered pixel is shaded
     Hierarchical,  // Xenos: a 4x4 stamp of a triangle is dropped when none of its covered pixels is nearer than the farthest
                    // depth stored in the block; otherwise all its covered quads are shaded [inferred: from the 16-sample
-                   // grain in [B3D-5]; the console stores a rounded maximum, we bill with the exact one]
+                   // grain in [B3D] article 5; the console stores a rounded maximum, we bill with the exact one]
     PerPixel,      // RSX: full early depth test, a quad is shaded when at least one of its covered pixels passes
   };
   Kind kind = Kind::Hierarchical;

@@ -209,7 +209,7 @@ HWY_INLINE void walk_stamps(TileMemory& tile, Walk& walk, bool block_hiz, bool a
     return;
   }
 
-  // 16 blocks of 16x16 at once, then 16 stamps of a block at once: an edge rejects a square when even its best corner is
+  // [Abrash09]: 16 blocks of 16x16 at once, then 16 stamps of a block at once; an edge function [Pineda88] rejects a square when even its best corner is
   // outside and accepts it when its worst corner is inside.
   std::int32_t best[3], worst[3];  // per pixel of extent
   for (int k = 0; k < 3; ++k) {
