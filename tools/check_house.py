@@ -91,7 +91,8 @@ def code_problems(name, text):
                 add(match, f"'{match.group(0)}' is not correctly rounded everywhere: use the number system")
     for match in re.finditer(r"\busing\s+namespace\s+std\s*;", code):
         add(match, "'using namespace std' hides where a name comes from")
-    if name.endswith(".hpp") and "#pragma once" not in code:
+    # Highway compiles its -inl.hpp files once for each target.
+    if name.endswith(".hpp") and not name.endswith("-inl.hpp") and "#pragma once" not in code:
         problems.append(f"{name}: a header begins with #pragma once")
     return problems
 

@@ -45,6 +45,7 @@ int run_and_signal(const std::function<void(std::function<void()> ready)>& work,
   const pid_t child = ::fork();
   if (child == 0) {
     ::close(channel[0]);
+    ::alarm(30);  // a child that ignores its signals must not outlive the test
     install_interrupt_handlers();
     int code = 0;
     try {

@@ -1,5 +1,6 @@
 #include "platform/host/output_file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -66,9 +67,18 @@ TEST(OutputFile, WritesThroughASymbolicLink) {
   EXPECT_EQ(read_text(folder.path("real.txt")), "new");
 }
 
-TEST(OutputFile, ADeviceStaysADevice) {
-  write_file("/dev/null", "gone");
-  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+TEST(OutputFile, APipeStaysAPipe) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("pipe");
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  write_file(path, "through");
+  char buffer[16] = {};
+  EXPECT_EQ(::read(reader, buffer, sizeof buffer), 7);
+  EXPECT_STREQ(buffer, "through");
+  ::close(reader);
+  EXPECT_TRUE(std::filesystem::is_fifo(path));
+  EXPECT_EQ(folder.names(), Names{"pipe"});
 }
 
 TEST(OutputFile, AFullDeviceIsAUserError) {
