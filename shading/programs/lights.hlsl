@@ -7,7 +7,7 @@
 float4 light_position[LIGHT_COUNT];    // xyz: position, or direction to the light; w: 1 for a position, 0 for a direction
 float4 light_color[LIGHT_COUNT];       // rgb: linear, carries pi; w: falloff k1 in 1 / (k0 + k1 d^2)
 #if PUNCTUAL_LIGHTS                    // KHR_lights_punctual: inverse square, range window, spot cone
-float4 light_window[LIGHT_COUNT];      // x: 1 / range^4 (0: unlimited); y: k0; z, w: spot scale and offset
+float4 light_window[LIGHT_COUNT];      // x: 1 / range^2 (0: unlimited); y: k0; z, w: spot scale and offset
 float4 light_axis[LIGHT_COUNT];        // xyz: unit vector from the target back to the light (spot), else 0
 #endif
 
@@ -15,7 +15,8 @@ float4 light_axis[LIGHT_COUNT];        // xyz: unit vector from the target back 
 float attenuation(int i, float distance_squared, float3 l) {
 #if PUNCTUAL_LIGHTS
   float falloff = 1.0 / max(light_window[i].y + distance_squared * light_color[i].w, 0.00001);
-  float window = saturate(1.0 - distance_squared * distance_squared * light_window[i].x);
+  float reach = distance_squared * light_window[i].x;
+  float window = saturate(1.0 - reach * reach);
   float cone = saturate(dot(light_axis[i].xyz, l) * light_window[i].z + light_window[i].w);
   return falloff * window * (cone * cone);
 #else

@@ -1,0 +1,104 @@
+#include "shading/passes/bill.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace aluminate::passes {
+namespace {
+
+// Eight lanes' masks for eight bits: 0 or all ones.
+constexpr auto kLaneMasks = [] {
+  std::array<std::array<std::uint32_t, 8>, 256> table{};
+  for (unsigned bits = 0; bits < 256; ++bits)
+    for (unsigned lane = 0; lane < 8; ++lane) table[bits][lane] = (bits >> lane & 1) ? 0xffffffffu : 0u;
+  return table;
+}();
+
+void add_masked(std::uint32_t* plane, std::uint16_t lanes, std::uint32_t value) {
+  for (int half = 0; half < 2; ++half) {
+    const auto& mask = kLaneMasks[lanes >> 8 * half & 0xff];
+    for (std::size_t lane = 0; lane < 8; ++lane) plane[static_cast<std::size_t>(half) * 8 + lane] += value & mask[lane];
+  }
+}
+
+}  // namespace
+
+TileBill::Totals& TileBill::Totals::operator+=(const Totals& other) {
+  pixels += other.pixels;
+  quads += other.quads;
+  helper_lanes += other.helper_lanes;
+  alu_words += other.alu_words;
+  alu_slots += other.alu_slots;
+  fetches += other.fetches;
+  fetch_cyc += other.fetch_cyc;
+  blended_pixels += other.blended_pixels;
+  return *this;
+}
+
+TileBill::TileBill(const DrawList& list) {
+  for (const DrawState& draw : list.draws) {
+    const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
+    const PathInfo& path = program.path;
+    draws_.push_back({{path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc}, program.straight_line, draw.surface == Surface::Blended});
+  }
+}
+
+void TileBill::begin() {
+  for (Plane* plane : {&alu_words_, &alu_slots_, &fetches_, &fetch_cyc_, &overdraw_, &helpers_}) plane->fill(0);
+}
+
+void TileBill::billed(std::span<const raster::BilledStamp> stamps) {
+  for (const raster::BilledStamp& stamp : stamps) {
+    const DrawCost& draw = draws_[stamp.draw];
+    const std::uint16_t shaded = raster::shaded_lanes(stamp.covered);
+    const std::size_t at = static_cast<std::size_t>(stamp.stamp) * 16;
+    add_masked(&overdraw_[at], stamp.covered, 1);
+    add_masked(&helpers_[at], static_cast<std::uint16_t>(shaded & ~stamp.covered), 1);
+    const auto covered = static_cast<std::uint64_t>(std::popcount(stamp.covered)), lanes = static_cast<std::uint64_t>(std::popcount(shaded));
+    totals_.pixels += covered;
+    totals_.quads += lanes / 4;
+    totals_.helper_lanes += lanes - covered;
+    if (draw.blended) totals_.blended_pixels += covered;
+    if (!draw.is_static) continue;
+    add_masked(&alu_words_[at], shaded, draw.lane.alu_words);
+    add_masked(&alu_slots_[at], shaded, draw.lane.alu_slots);
+    add_masked(&fetches_[at], shaded, draw.lane.fetches);
+    add_masked(&fetch_cyc_[at], shaded, draw.lane.fetch_cyc);
+    totals_.alu_words += lanes * draw.lane.alu_words;
+    totals_.alu_slots += lanes * draw.lane.alu_slots;
+    totals_.fetches += lanes * draw.lane.fetches;
+    totals_.fetch_cyc += lanes * draw.lane.fetch_cyc;
+  }
+}
+
+void TileBill::add_executed(int x, int y, const LaneCost& cost) {
+  const auto at = static_cast<std::size_t>(raster::TileView::element(x, y));
+  alu_words_[at] += cost.alu_words;
+  alu_slots_[at] += cost.alu_slots;
+  fetches_[at] += cost.fetches;
+  fetch_cyc_[at] += cost.fetch_cyc;
+  totals_.alu_words += cost.alu_words;
+  totals_.alu_slots += cost.alu_slots;
+  totals_.fetches += cost.fetches;
+  totals_.fetch_cyc += cost.fetch_cyc;
+}
+
+void TileBill::store(const raster::TileView& tile, int image_width, CostPlanes& planes) const {
+  // One more row and column than the picture where its size is odd: helper lanes out there belong to their quad's pixel.
+  const int right = std::min(raster::kTilePx, (tile.width + 1) & ~1), bottom = std::min(raster::kTilePx, (tile.height + 1) & ~1);
+  for (int y = 0; y < bottom; ++y)
+    for (int x = 0; x < right; ++x) {
+      const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));
+      const std::size_t px = static_cast<std::size_t>(tile.origin.x + std::min(x, tile.width - 1));
+      const std::size_t py = static_cast<std::size_t>(tile.origin.y + std::min(y, tile.height - 1));
+      const std::size_t to = py * static_cast<std::size_t>(image_width) + px;
+      planes.alu_words[to] += alu_words_[from];
+      planes.alu_slots[to] += alu_slots_[from];
+      planes.fetches[to] += fetches_[from];
+      planes.fetch_cyc[to] += fetch_cyc_[from];
+      planes.overdraw[to] += overdraw_[from];
+      planes.helpers[to] += helpers_[from];
+    }
+}
+
+}  // namespace aluminate::passes

@@ -1,0 +1,56 @@
+// The console's bill of one tile: what every billed quad costs, added up per pixel and per pass. In: billed stamps from the
+// rasterizer, in submission order. Out: planes of the frame and exact totals; sums over pixels equal the totals.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rasterizer/bill.hpp"
+#include "rasterizer/tile.hpp"
+#include "shading/passes/draw_list.hpp"
+#include "shading/passes/frame.hpp"
+
+namespace aluminate::passes {
+
+/// Lane-weighted cost of one invocation.
+struct LaneCost {
+  std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
+};
+
+/// One worker's tile. begin(), feed as BillSink and through add_executed(), then store().
+class TileBill : public raster::BillSink {
+ public:
+  explicit TileBill(const DrawList& list);
+
+  void begin();
+  /// Straight-line programs: static cost for every covered and helper lane. Others: only the invocation counts; what they
+  /// cost depends on data and arrives through add_executed().
+  void billed(std::span<const raster::BilledStamp> stamps) override;
+  /// One executed lane of a program that branches on data. x, y: tile-relative pixel.
+  void add_executed(int x, int y, const LaneCost& cost);
+  /// Adds the tile to the frame's planes. Lanes right of or below the picture go to the nearest pixel of their quad.
+  void store(const raster::TileView& tile, int image_width, CostPlanes& planes) const;
+
+  /// Since construction.
+  struct Totals {
+    std::uint64_t pixels = 0, quads = 0, helper_lanes = 0;
+    std::uint64_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
+    std::uint64_t blended_pixels = 0;
+    Totals& operator+=(const Totals& other);
+  };
+  const Totals& totals() const { return totals_; }
+
+ private:
+  struct DrawCost {
+    LaneCost lane;
+    bool is_static = true, blended = false;
+  };
+  std::vector<DrawCost> draws_;
+  using Plane = std::array<std::uint32_t, raster::kTilePixels>;  // stamp order
+  Plane alu_words_{}, alu_slots_{}, fetches_{}, fetch_cyc_{}, overdraw_{}, helpers_{};
+  Totals totals_;
+};
+
+}  // namespace aluminate::passes

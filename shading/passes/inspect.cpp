@@ -1,0 +1,162 @@
+#include "shading/passes/inspect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "platform/host/error.hpp"
+#include "platform/host/text_table.hpp"
+#include "rasterizer/bill.hpp"
+#include "rasterizer/quads.hpp"
+#include "scenes/scene.hpp"
+#include "shading/passes/prepared.hpp"
+#include "shading/passes/shade.hpp"
+
+namespace aluminate::passes {
+namespace {
+
+// Draws the pixel's tile again and writes down everything that touches the pixel.
+class Microscope : public raster::QuadShader, public raster::BillSink {
+ public:
+  Microscope(const PreparedFrame& prepared, const raster::TileOptions& options, PixelReport& report)
+      : prepared_(prepared), tile_(prepared.raster_frame, options), shader_(prepared), report_(report) {}
+
+  void look(int tile_index, int x, int y) {
+    tile_.begin(tile_index);
+    x_ = x - tile_.view().origin.x;
+    y_ = y - tile_.view().origin.y;
+    tile_.draw_opaque(this);
+    const auto element = static_cast<std::size_t>(raster::TileView::element(x_, y_));
+    if (const raster::TriangleId id = tile_.view().visibility[element]; id != raster::kNoTriangle) trace_visible(id);
+    tile_.draw_in_order(*this, this);
+    report_.depth_d24 = tile_.view().depth[element];
+  }
+
+  void billed(std::span<const raster::BilledStamp> stamps) override {
+    for (const raster::BilledStamp& stamp : stamps) {
+      if (stamp.stamp != raster::stamp_of(x_, y_)) continue;
+      const int lane = raster::lane_of(x_, y_);
+      if ((raster::shaded_lanes(stamp.covered) >> lane & 1) == 0) continue;
+      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "hidden" : "helper lane");
+    }
+  }
+
+  std::uint64_t shade(const raster::QuadBatch& batch) override {
+    std::array<raster::QuadPosition, raster::kBatchQuads> quads;
+    const auto count = static_cast<std::size_t>(batch.count);
+    const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
+    int mine = -1;
+    for (std::size_t q = 0; q < count; ++q) {
+      quads[q] = {batch.triangle[q], batch.x[q], batch.y[q]};
+      for (int l = 0; l < 4; ++l)
+        if (batch.x[q] + (l & 1) == px && batch.y[q] + (l >> 1) == py && (batch.visible >> (4 * q + static_cast<std::size_t>(l)) & 1)) mine = static_cast<int>(4 * q) + l;
+    }
+    const ShadingJob job{batch.draw, {quads.data(), count}, batch.visible, nullptr};
+    if (mine < 0) return shader_.run(job);
+    const bool kept = trace(job, mine);
+    const bool blended = prepared_.list.draws[batch.draw].surface == Surface::Blended;
+    if (!report_.visits.empty() && report_.visits.back().draw == batch.draw) report_.visits.back().outcome = !kept ? "discarded" : blended ? "blended" : "drawn";
+    if (kept) compose(mine, blended);
+    return survivors_;
+  }
+
+ private:
+  void add_visit(std::uint32_t draw, const char* outcome) {
+    const DrawState& state = prepared_.list.draws[draw];
+    const PathInfo& path = prepared_.list.pixel_programs[static_cast<std::size_t>(state.pixel_program)].path;
+    report_.visits.push_back({draw, state.mesh->name, path.program, outcome, path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc});
+    report_.alu_words += path.alu_words;
+    report_.alu_slots += path.alu_slots;
+    report_.fetches += path.fetches;
+    report_.fetch_cyc += path.fetch_cyc;
+  }
+
+  void trace_visible(raster::TriangleId id) {
+    std::vector<raster::VisibleQuad> quads;
+    raster::gather_visible_quads(prepared_.raster_frame, tile_.view(), quads);
+    const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
+    for (const raster::VisibleQuad& quad : quads) {
+      if (quad.triangle != id || quad.x != (px & ~1) || quad.y != (py & ~1)) continue;
+      const raster::QuadPosition position{quad.triangle, quad.x, quad.y};
+      const int lane = (py & 1) * 2 + (px & 1);
+      trace({quad.draw, {&position, 1}, quad.lanes, nullptr}, lane);
+      compose(lane, false);
+      for (auto visit = report_.visits.rbegin(); visit != report_.visits.rend(); ++visit) {
+        if (visit->draw != quad.draw || visit->outcome != "hidden") continue;
+        visit->outcome = "drawn";
+        break;
+      }
+    }
+  }
+
+  bool trace(const ShadingJob& job, int lane) {
+    vm::Trace recorded;
+    recorded.lane = lane;
+    survivors_ = shader_.run_traced(job, recorded);
+    const PixelProgram& program = prepared_.list.pixel_programs[static_cast<std::size_t>(prepared_.list.draws[job.draw].pixel_program)];
+    report_.traced_program = program.path.program;
+    report_.trace.clear();
+    for (const vm::TraceEntry& entry : recorded.entries) {
+      const vm::Instruction& instruction = program.program.code[entry.instruction];
+      const std::string file = instruction.line.file < program.program.files.size() ? program.program.files[instruction.line.file] : "";
+      report_.trace.push_back({vm::disassemble(program.program, instruction), SourcePlace{file, static_cast<int>(instruction.line.line), instruction.line.column}.text(),
+                               entry.result, entry.mask, entry.saturated != 0});
+    }
+    return survivors_ >> lane & 1;
+  }
+
+  void compose(int lane, bool blended) {
+    const double alpha = blended ? std::clamp(shader_.color(3, lane), 0.0, 1.0) : 1.0;
+    for (std::size_t c = 0; c < 3; ++c) report_.linear[c] = shader_.color(static_cast<int>(c), lane) * alpha + report_.linear[c] * (1.0 - alpha);
+  }
+
+  const PreparedFrame& prepared_;
+  raster::TileRasterizer tile_;
+  Shader shader_;
+  PixelReport& report_;
+  int x_ = 0, y_ = 0;   // tile-relative
+  std::uint64_t survivors_ = 0;
+};
+
+std::string value_text(const TracedInstruction& row) {
+  std::string text;
+  for (std::size_t c = 0; c < 4; ++c)
+    if (row.mask >> c & 1) text += fmt::format("{}{}={:.9g}", text.empty() ? "" : " ", "xyzw"[c], row.value[c]);
+  return text + (row.saturated ? "  SATURATED" : "");
+}
+
+}  // namespace
+
+PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& options, int x, int y) {
+  if (x < 0 || y < 0 || x >= options.width || y >= options.height)
+    throw UserError(fmt::format("pixel ({}, {}) lies outside the {}x{} picture", x, y, options.width, options.height), "pixels count from 0,0 at the top left");
+  PixelReport report;
+  report.x = x;
+  report.y = y;
+  PreparedFrame prepared;
+  prepared.list = make_draw_list(scene, options);
+  shade_all_vertices(prepared);
+  set_up_triangles(prepared, options);
+  const raster::Viewport& viewport = prepared.raster_frame.viewport();
+  Microscope(prepared, tile_options(prepared.list.gpu, options), report).look(y / raster::kTilePx * viewport.tiles_x() + x / raster::kTilePx, x, y);
+  return report;
+}
+
+std::string pixel_text(const PixelReport& report) {
+  using host::Align;
+  std::string text = fmt::format("pixel ({}, {})  linear {:.6g} {:.6g} {:.6g}  depth {} of 16777215\n\n", report.x, report.y, report.linear[0], report.linear[1], report.linear[2], report.depth_d24);
+  if (report.visits.empty()) return text + "no draw was billed here\n";
+  host::TextTable visits({{"draw", Align::Right}, {"mesh"}, {"program"}, {"outcome"}, {"ALU words", Align::Right}, {"slots", Align::Right}, {"fetches", Align::Right}, {"fetch cyc", Align::Right}});
+  for (const PixelVisit& visit : report.visits)
+    visits.add_row({fmt::format("{}", visit.draw), visit.mesh, visit.program, visit.outcome, fmt::format("{}", visit.alu_words), fmt::format("{}", visit.alu_slots), fmt::format("{}", visit.fetches), fmt::format("{}", visit.fetch_cyc)});
+  visits.add_rule();
+  visits.add_row({"", "total", "", "", fmt::format("{}", report.alu_words), fmt::format("{}", report.alu_slots), fmt::format("{}", report.fetches), fmt::format("{}", report.fetch_cyc)});
+  text += visits.text();
+  if (report.trace.empty()) return text;
+  host::TextTable trace({{"#", Align::Right}, {"instruction"}, {"value"}, {"source"}});
+  for (std::size_t i = 0; i < report.trace.size(); ++i) trace.add_row({fmt::format("{}", i), report.trace[i].text, value_text(report.trace[i]), report.trace[i].place});
+  return text + fmt::format("\n{}\n", report.traced_program) + trace.text();
+}
+
+}  // namespace aluminate::passes

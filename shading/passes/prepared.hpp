@@ -1,0 +1,31 @@
+// A scene up to the tiles: draws, shaded vertices, triangles set up and binned. Shared by the frame and by the inspection
+// of a single pixel.
+#pragma once
+
+#include <vector>
+
+#include "rasterizer/frame.hpp"
+#include "rasterizer/tile.hpp"
+#include "shading/passes/draw_list.hpp"
+
+namespace aluminate::passes {
+
+struct PreparedFrame {
+  DrawList list;
+  std::vector<double> x, y, z, w;       // clip space, all draws
+  std::vector<double> varyings;
+  std::vector<vm::Counters> vertex_counters;  // by vertex program
+  raster::Frame raster_frame;           // refers to the arrays above: neither may move once it is set up
+
+  PreparedFrame() = default;
+  PreparedFrame(const PreparedFrame&) = delete;
+  PreparedFrame& operator=(const PreparedFrame&) = delete;
+};
+
+void shade_all_vertices(PreparedFrame& prepared);
+void set_up_triangles(PreparedFrame& prepared, const FrameOptions& options);
+
+/// The console's way of rejecting hidden fragments, and the skips that are on.
+raster::TileOptions tile_options(const console::GpuModel& gpu, const FrameOptions& options);
+
+}  // namespace aluminate::passes

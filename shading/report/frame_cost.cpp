@@ -1,0 +1,47 @@
+#include "shading/report/frame_cost.hpp"
+
+#include "platform/console/edram.hpp"
+
+namespace aluminate::report {
+
+std::vector<console::PassWork> pass_work(const passes::Frame& frame, const console::GpuModel& gpu) {
+  std::vector<console::PassWork> works;
+  for (const passes::PassTotals& pass : frame.passes) {
+    console::PassWork work;
+    work.name = pass.name;
+    work.pixels = static_cast<double>(pass.pixels);
+    work.quads = static_cast<double>(pass.quads);
+    work.helper_lanes = static_cast<double>(pass.helper_lanes);
+    work.alu_words = static_cast<double>(pass.alu_words);
+    work.alu_slots = static_cast<double>(pass.alu_slots);
+    work.fetches = static_cast<double>(pass.fetches);
+    work.fetch_cyc = static_cast<double>(pass.fetch_cyc);
+    work.vertices = static_cast<double>(pass.vertices);
+    work.vertex_words = static_cast<double>(pass.vertex_words);
+    work.triangles = static_cast<double>(pass.triangles);
+    work.rop.push_back({.pixels = static_cast<double>(pass.rop_pixels), .blend = false});
+    if (pass.rop_blended > 0) work.rop.push_back({.pixels = static_cast<double>(pass.rop_blended), .blend = true});
+    work.bytes.push_back({"geometry and textures", static_cast<double>(pass.bytes)});
+    // Without eDRAM every colour and depth access goes to memory: 4 bytes each, read and written where blended.
+    if (!gpu.has_edram()) {
+      work.bytes.push_back({"colour", 4.0 * static_cast<double>(pass.rop_pixels) + 8.0 * static_cast<double>(pass.rop_blended)});
+      work.bytes.push_back({"depth", 4.0 * static_cast<double>(pass.pixels) + 4.0 * static_cast<double>(pass.rop_pixels)});
+    }
+    works.push_back(std::move(work));
+  }
+  if (gpu.has_edram() && !works.empty()) {
+    const console::SurfaceShape surface{.width_px = frame.width, .height_px = frame.height};
+    const console::SurfaceShape surfaces[] = {surface, surface};  // colour and depth
+    works.front().tiling_passes = console::tiling_passes(gpu, surfaces);
+    works.back().resolve_pixels = static_cast<double>(frame.pixel_count());
+    works.back().bytes.push_back({"resolve", 4.0 * static_cast<double>(frame.pixel_count())});
+  }
+  return works;
+}
+
+console::FrameBudget frame_budget(const passes::Frame& frame, const console::GpuModel& gpu, double budget_ms) {
+  const std::vector<console::PassWork> works = pass_work(frame, gpu);
+  return console::price_frame(gpu, works, budget_ms);
+}
+
+}  // namespace aluminate::report

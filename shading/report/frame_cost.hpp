@@ -1,0 +1,18 @@
+// A frame's counts to console milliseconds: the bridge from passes::PassTotals to platform/console's budget arithmetic.
+#pragma once
+
+#include <vector>
+
+#include "platform/console/frame_budget.hpp"
+#include "shading/passes/frame.hpp"
+
+namespace aluminate::report {
+
+/// One PassWork for each pass of the frame. Colour is one 32-bit target with D24; on consoles with eDRAM the last pass also
+/// pays the resolve of the picture, and geometry is sent once for each predicated-tiling pass.
+std::vector<console::PassWork> pass_work(const passes::Frame& frame, const console::GpuModel& gpu);
+
+/// budget_ms <= 0: the platform's own frame.
+console::FrameBudget frame_budget(const passes::Frame& frame, const console::GpuModel& gpu, double budget_ms);
+
+}  // namespace aluminate::report

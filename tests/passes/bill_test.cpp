@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "platform/host/parallel.hpp"
+#include "scenes/loader.hpp"
+#include "shading/passes/frame.hpp"
+#include "shading/passes/inspect.hpp"
+#include "tests/passes/sample_scene.hpp"
+
+namespace aluminate::passes {
+namespace {
+
+FrameOptions small(int width, int height) {
+  FrameOptions options;
+  options.width = width;
+  options.height = height;
+  return options;
+}
+
+std::uint64_t sum(const std::vector<std::uint32_t>& plane) { return std::accumulate(plane.begin(), plane.end(), std::uint64_t{0}); }
+
+// The bill adds up: over pixels = over passes, for every counter.
+void expect_sums(const Frame& frame, const std::string& what) {
+  PassTotals total;
+  for (const PassTotals& pass : frame.passes) {
+    total.pixels += pass.pixels;
+    total.helper_lanes += pass.helper_lanes;
+    total.quads += pass.quads;
+    total.alu_words += pass.alu_words;
+    total.alu_slots += pass.alu_slots;
+    total.fetches += pass.fetches;
+    total.fetch_cyc += pass.fetch_cyc;
+  }
+  EXPECT_GT(total.pixels, 0u) << what << ": nothing was drawn";
+  EXPECT_EQ(sum(frame.cost.overdraw), total.pixels) << what;
+  EXPECT_EQ(sum(frame.cost.helpers), total.helper_lanes) << what;
+  EXPECT_EQ(total.quads * 4, total.pixels + total.helper_lanes) << what;
+  EXPECT_EQ(sum(frame.cost.alu_words), total.alu_words) << what;
+  EXPECT_EQ(sum(frame.cost.alu_slots), total.alu_slots) << what;
+  EXPECT_EQ(sum(frame.cost.fetches), total.fetches) << what;
+  EXPECT_EQ(sum(frame.cost.fetch_cyc), total.fetch_cyc) << what;
+}
+
+TEST(Bill, PixelsSumToPassesOnEverySceneAndPlatform) {
+  for (const char* name : {"material_wall", "beach_hut", "grazing_floor", "overdraw_stress"})
+    for (const char* platform : {"xenos", "rsx"}) {
+      FrameOptions options = small(117, 83);  // odd: helper lanes beyond the picture are charged too
+      options.platform = platform;
+      expect_sums(render_frame(test::sample_scene(name), options), std::string(name) + " on " + platform);
+      options.tonemap = Tonemap::Filmic;
+      expect_sums(render_frame(test::sample_scene(name), options), std::string(name) + " with a resolve pass");
+    }
+}
+
+TEST(Bill, ShadersThatBranchOnDataAreBilledAsExecuted) {
+  const std::string path = testing::TempDir() + "branchy.hlsl";
+  FILE* file = fopen(path.c_str(), "w");
+  ASSERT_NE(file, nullptr);
+  fputs("float4 main(float3 p : TEXCOORD0, float3 n : TEXCOORD1) : COLOR0 {\n"
+        "  float3 c = n * 0.5 + 0.5;\n"
+        "  [branch] if (p.x > 0) { float k = p.y; for (int i = 0; i < 3; ++i) k = exp2(sin(k)); c *= k; }\n"
+        "  return float4(c, 1);\n}\n", file);
+  fclose(file);
+  FrameOptions options = small(96, 54);
+  options.shader = path;
+  const Frame frame = render_frame(test::sample_scene("material_wall"), options);
+  expect_sums(frame, "branchy shader");
+  // Pixels with the same overdraw pay differently on the two sides of the branch.
+  std::uint32_t least = ~0u, most = 0;
+  for (std::size_t i = 0; i < frame.pixel_count(); ++i) {
+    if (frame.cost.overdraw[i] != 1 || frame.cost.helpers[i] != 0) continue;
+    least = std::min(least, frame.cost.alu_words[i]);
+    most = std::max(most, frame.cost.alu_words[i]);
+  }
+  EXPECT_LT(least, most);
+}
+
+TEST(Bill, ThreadsAndSkipsChangeNothing) {
+  const scenes::Scene& scene = test::sample_scene("beach_hut");
+  const int threads = host::thread_count();
+  host::set_thread_count(1);
+  const Frame one = render_frame(scene, small(161, 90));
+  for (const int count : {2, 3, 7, 16}) {
+    host::set_thread_count(count);
+    FrameOptions options = small(161, 90);
+    if (count == 16) set_option(options, "no-skip", "all");
+    const Frame many = render_frame(scene, options);
+    EXPECT_EQ(many.rgba8, one.rgba8) << count;
+    EXPECT_EQ(many.linear, one.linear) << count;
+    EXPECT_EQ(many.depth_d24, one.depth_d24) << count;
+    EXPECT_EQ(many.cost.alu_words, one.cost.alu_words) << count;
+    EXPECT_EQ(many.cost.overdraw, one.cost.overdraw) << count;
+    EXPECT_EQ(many.cost.helpers, one.cost.helpers) << count;
+    EXPECT_EQ(many.cost.path, one.cost.path) << count;
+  }
+  host::set_thread_count(threads);
+}
+
+TEST(Bill, InspectionOfAPixelAgreesWithTheLayers) {
+  const scenes::Scene& scene = test::sample_scene("overdraw_stress");
+  const FrameOptions options = small(96, 54);
+  const Frame frame = render_frame(scene, options);
+  for (int y = 3; y < 54; y += 10)
+    for (int x = 5; x < 96; x += 13) {
+      const PixelReport pixel = inspect_pixel(scene, options, x, y);
+      const std::size_t at = static_cast<std::size_t>(y) * 96 + static_cast<std::size_t>(x);
+      EXPECT_EQ(pixel.alu_words, frame.cost.alu_words[at]) << x << "," << y;
+      EXPECT_EQ(pixel.fetches, frame.cost.fetches[at]) << x << "," << y;
+      EXPECT_EQ(pixel.depth_d24, frame.depth_d24[at]) << x << "," << y;
+    }
+}
+
+TEST(Bill, PublicModelsAddUp) {
+  const std::string helmet = test::public_model("flight_helmet.glb");
+  if (helmet.empty()) GTEST_SKIP() << "public models are not here";
+  expect_sums(render_frame(scenes::load_scene(helmet), small(320, 180)), "flight_helmet");
+}
+
+}  // namespace
+}  // namespace aluminate::passes
