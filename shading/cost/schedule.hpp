@@ -31,8 +31,9 @@ struct BlockSchedule {
 /// Operand of a two-slot scalar operation that the movs carries: the one known earlier.
 int carried_operand(const Graph& graph, const Node& node);
 
-/// Longest of: operations that need the vector half, operations that need the scalar half, half of all, and the chain of
-/// dependencies; three-operand operations fill a word alone under the strict rule.
+/// No schedule is shorter: the chain of dependencies, and for every window between a head and a tail of that chain the
+/// words its operations fill: three-operand operations alone under the strict rule, plus the most of vector-only,
+/// scalar-only and half of all.
 int lower_bound_words(const Graph& graph, PairingRule pairing);
 
 /// Tries several priorities and keeps the shortest; ties go to the first. Deterministic.

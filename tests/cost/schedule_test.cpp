@@ -35,7 +35,7 @@ std::string listing_of(const vm::Program& program) {
   return text;
 }
 
-constexpr std::uint32_t kPrograms = 3000;
+constexpr std::uint32_t kPrograms = 2200;
 
 TEST(XenosSchedule, IsLegalOnRandomPrograms) {
   for (cost::PairingRule pairing : {cost::PairingRule::Strict, cost::PairingRule::Loose}) {
