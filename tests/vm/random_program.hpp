@@ -13,7 +13,11 @@ class RandomProgram {
   explicit RandomProgram(std::uint64_t seed, bool control_flow) : random_(seed), control_flow_(control_flow) {}
 
   Program make() {
-    for (int i = 0; i < 6; ++i) b_.literal(number(), number(), number(), number());
+    // Random numbers are drawn in separate statements throughout: argument order is the compiler's choice.
+    for (int i = 0; i < 6; ++i) {
+      const std::array<double, 4> value = {number(), number(), number(), number()};
+      b_.literal(value[0], value[1], value[2], value[3]);
+    }
     b_.literal(0, 1, 0.5, -1);
     b_.program.temp_count = 6;
     b_.program.uniform_count = 8;
@@ -91,7 +95,8 @@ class RandomProgram {
         case 0:
         case 1:
           if (open_.size() < 5) {
-            b_.flow(Opcode::If, {test()});
+            const Source condition = test();
+            b_.flow(Opcode::If, {condition});
             open_.push_back(Opcode::If);
             return;
           }
@@ -125,7 +130,8 @@ class RandomProgram {
           break;
         case 6:
           if (loops_ > 0) {
-            b_.flow(chance(50) ? Opcode::Break : Opcode::Continue, {test()});
+            const Source condition = test();
+            b_.flow(chance(50) ? Opcode::Break : Opcode::Continue, {condition});
             return;
           }
           break;
@@ -134,7 +140,8 @@ class RandomProgram {
     }
     if (chance(4)) {
       static constexpr Opcode kKills[] = {Opcode::KillGt, Opcode::KillGe, Opcode::KillNe, Opcode::KillEq};
-      b_.op(kKills[pick(0, 3)], {}, {any_source(), any_source()});
+      const Opcode op = kKills[pick(0, 3)];
+      b_.op(op, {}, {any_source(), any_source()});
       return;
     }
     arithmetic();
