@@ -31,8 +31,6 @@ std::string short_name(const std::string& name, std::size_t most = 22) {
   return name.size() <= most ? name : ".." + name.substr(name.size() - (most - 2));
 }
 
-const char* lanes_word(const StaticCost& cost) { return cost.stage == vm::Stage::Vertex ? "vertices" : "pixels"; }
-
 std::string filter_sentence(const StaticCost& cost) {
   return cost.assumptions.filter == FilterAssumption::Trilinear ? "8 bits a component, trilinear, no anisotropy, no cache misses"
                                                                  : "8 bits a component, bilinear, no anisotropy, no cache misses";
@@ -52,11 +50,9 @@ TextTable cost_table(const std::vector<StaticCost>& costs) {
 
 std::vector<std::string> notes(const StaticCost& cost) {
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("{}: {} of {} a vector of 64 {}; {} vector + {} scalar operations in {} words", short_name(cost.name, 30),
-                              cost_unit_name(cost.bound), count_text(cost.cycles_per_vector) + " clocks", lanes_word(cost), cost.vector_ops,
-                              cost.scalar_ops, count_text(cost.alu_words)));
-  lines.push_back(fmt::format("  no schedule of these operations is shorter than {} words; {} texture slots (ps_3_0) apart", cost.bound_words,
-                              cost.tex_slots));
+  lines.push_back(fmt::format("{}: {}", short_name(cost.name, 30), cost.sentence));
+  lines.push_back(fmt::format("  {} vector + {} scalar operations in {} words, none of their schedules is under {}; {} texture slots",
+                              cost.vector_ops, cost.scalar_ops, count_text(cost.alu_words), cost.bound_words, cost.tex_slots));
   if (!cost.straight_line) {
     lines.push_back(fmt::format("  branches: {} to {} words, {} ALU clocks{}", count_text(cost.shortest_words), count_text(cost.longest_words),
                                 range_text(cost.shortest.alu, cost.longest.alu),

@@ -123,9 +123,6 @@ TEST_P(XenosAnchor, MatchesThePeriodCompiler) {
   if (cost.alu_words == anchor.words) {
     EXPECT_EQ(cost.cycles_per_vector, anchor.per_vector);
   }
-  std::cout << anchor.name << ": words " << cost.alu_words << " (" << anchor.words << ", bound " << cost.bound_words << ") gprs " << cost.gprs << " ("
-            << anchor.gprs << ") seq " << cost.cycles.sequencer << " per vector " << cost.cycles_per_vector << "\n"
-            << listing;
 }
 
 INSTANTIATE_TEST_SUITE_P(Shaders, XenosAnchor, ::testing::ValuesIn(kAnchors), [](const auto& anchor) { return std::string(anchor.param.name); });
