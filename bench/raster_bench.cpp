@@ -48,6 +48,27 @@ Geometry soup(int count, double legs) {
   return g;
 }
 
+/// A grid of about `count` right triangles with legs of `legs` px, indexed: half a vertex per triangle, neighbours in order.
+/// It wraps around the picture as often as it takes, each round nearer than the one before.
+Geometry mesh(int count, double legs) {
+  Geometry g;
+  const int columns = static_cast<int>(kWidth / legs), rows = static_cast<int>(kHeight / legs);
+  for (int round = 0; static_cast<int>(g.indices.size()) / 3 < count; ++round) {
+    const auto first = static_cast<std::uint32_t>(g.x.size());
+    const auto stride = static_cast<std::uint32_t>(columns + 1);
+    const int left = (count - static_cast<int>(g.indices.size()) / 3 + 2 * columns - 1) / (2 * columns);
+    const int used = left < rows ? left : rows;
+    for (int j = 0; j <= used; ++j)
+      for (int i = 0; i <= columns; ++i) g.vertex(i * legs, j * legs, 0.9 / (round + 1));
+    for (std::uint32_t j = 0; j < static_cast<std::uint32_t>(used); ++j)
+      for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(columns); ++i) {
+        const std::uint32_t a = first + j * stride + i;
+        for (const std::uint32_t v : {a, a + 1, a + stride, a + 1, a + stride + 1, a + stride}) g.indices.push_back(v);
+      }
+  }
+  return g;
+}
+
 /// Full-screen layers of two triangles, tilted a little so that depth is really evaluated.
 Geometry layers(int count, bool back_to_front) {
   Geometry g;
@@ -96,6 +117,12 @@ void triangles(benchmark::State& state, bool with_bill) {
   frame_bench(state, soup(count, static_cast<double>(state.range(0))), with_bill, count);
 }
 
+void mesh_triangles(benchmark::State& state, bool with_bill) {
+  Geometry g = mesh(state.range(0) >= 32 ? 50000 : 200000, static_cast<double>(state.range(0)));
+  const double count = static_cast<double>(g.indices.size() / 3);
+  frame_bench(state, std::move(g), with_bill, count);
+}
+
 void triangle_set_up(benchmark::State& state) {
   const int count = state.range(0) >= 32 ? 50000 : 200000;
   Geometry g = soup(count, static_cast<double>(state.range(0)));
@@ -139,6 +166,8 @@ void interpolation(benchmark::State& state) {
 
 BENCHMARK_CAPTURE(triangles, no_bill, false)->ArgName("legs_px")->Arg(1)->Arg(4)->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(triangles, bill, true)->ArgName("legs_px")->Arg(1)->Arg(4)->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(mesh_triangles, no_bill, false)->ArgName("legs_px")->Arg(1)->Arg(4)->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(mesh_triangles, bill, true)->ArgName("legs_px")->Arg(1)->Arg(4)->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
 BENCHMARK(triangle_set_up)->ArgName("legs_px")->Arg(1)->Arg(4)->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fill, back_to_front, true, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fill, back_to_front_bill, true, true)->Unit(benchmark::kMillisecond);

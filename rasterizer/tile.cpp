@@ -64,8 +64,7 @@ void TileRasterizer::begin(int tile_number) {
   tile.origin = tile_origin(viewport, tile_number);
   tile.width = std::min(kTilePx, viewport.width - tile.origin.x);
   tile.height = std::min(kTilePx, viewport.height - tile.origin.y);
-  std::fill_n(tile.depth, kTilePixels, kDepthMax);
-  std::fill_n(tile.visibility, kTilePixels, kNoTriangle);
+  clear_tile(tile);
   std::fill_n(tile.inside, kStampsPerTile, std::uint16_t{0xffff});
   if (tile.width < kTilePx || tile.height < kTilePx) {
     for (int y = 0; y < kTilePx; ++y)

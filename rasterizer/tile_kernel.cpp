@@ -468,6 +468,14 @@ struct CollectStamps {
   }
 };
 
+void Clear(TileMemory& tile) {
+  const Vector depth = hn::Set(kTag, static_cast<std::int32_t>(kDepthMax)), none = hn::Set(kTag, static_cast<std::int32_t>(kNoTriangle));
+  for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
+    hn::Store(depth, kTag, reinterpret_cast<std::int32_t*>(tile.depth) + i);
+    hn::Store(none, kTag, reinterpret_cast<std::int32_t*>(tile.visibility) + i);
+  }
+}
+
 void DrawOpaque(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
                 BillBuffer& bill, HizCounters& counters) {
   using Kind = BillRule::Kind;
@@ -503,8 +511,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace aluminate::raster {
 
+HWY_EXPORT(Clear);
 HWY_EXPORT(DrawOpaque);
 HWY_EXPORT(FindFragments);
+
+void clear_tile(TileMemory& tile) { HWY_DYNAMIC_DISPATCH(Clear)(tile); }
 
 void draw_opaque_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
                          BillBuffer& bill, HizCounters& counters) {

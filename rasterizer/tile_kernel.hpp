@@ -50,6 +50,9 @@ struct HizCounters {
   std::uint64_t tile = 0, block = 0;
 };
 
+/// Depth to kDepthMax, visibility to kNoTriangle.
+void clear_tile(TileMemory& tile);
+
 /// Depth-tests and draws Opaque records in order.
 void draw_opaque_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
                          BillBuffer& bill, HizCounters& counters);
