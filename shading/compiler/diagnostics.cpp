@@ -72,7 +72,7 @@ std::string hint_for(const Entry& e, bool hlsl) {
     return "check the name and the argument types";
   }
   if (has("unknown variable") || has("undeclared identifier")) return "declare it, or define it with -D";
-  if (has("Could not process include")) return "include files are looked for beside the including file, beside the source and in the include directories";
+  if (has("Could not process include") || has("cannot find include")) return "include files are looked for beside the including file, beside the source and in the include directories";
   if (has("Recursion") || has("recursion")) return "shaders have no call stack; write a loop";
   if (has("Entry point not found")) return "name the entry point with --entry";
   if (e.token == ";" && has("Expected")) return "a semicolon is missing on this line or the one before";

@@ -173,6 +173,13 @@ class Emitter {
       // The addend of dp2add and gradients have fewer components than the other operands.
       i.src[static_cast<std::size_t>(k)] = source(v, at);
     }
+    if (n.op == Opcode::EndIf) {  // copies that needed no instruction may have been all there was
+      if (!p_.code.empty() && p_.code.back().op == Opcode::Else) p_.code.pop_back();
+      if (!p_.code.empty() && p_.code.back().op == Opcode::If) {
+        p_.code.pop_back();
+        return;
+      }
+    }
     p_.code.push_back(i);
   }
 

@@ -47,8 +47,10 @@ Tuple Lowerer::constant(SpvId id, const SpirvInstruction& d) {
     case spv::Op::OpSpecConstant: {
       const SpirvType& t = m_.type(d.type);
       if (t.kind == SpirvType::Kind::Int) return {num(static_cast<double>(*m_.integer(id)))};
-      if (t.kind != SpirvType::Kind::Float) refuse(d, "64-bit constants", "use float or int");
-      const float f = std::bit_cast<float>(d.operands[0]);
+      if (t.kind != SpirvType::Kind::Float) refuse(d, "a constant of this type", "use float, int or bool");
+      // HLSL's 1.5L: a register holds more than a binary32, so constants may be written with full precision.
+      const double f = d.operands.size() > 1 ? std::bit_cast<double>(std::uint64_t{d.operands[1]} << 32 | d.operands[0])
+                                             : double{std::bit_cast<float>(d.operands[0])};
       if (!(f - f == 0)) refuse(d, "a constant that is not a finite number", "the number formats have no infinity");
       return {num(f)};
     }

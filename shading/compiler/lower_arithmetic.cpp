@@ -27,7 +27,8 @@ bool Lowerer::arithmetic(const SpirvInstruction& i) {
     case spv::Op::OpFMod:
     case spv::Op::OpFRem: {
       const Lanes quotient = b_.divide(a(), b());
-      const Lanes whole = op == spv::Op::OpFMod ? b_.floor(quotient) : b_.op(Opcode::Trunc, quotient);
+      // HLSL's fmod and % truncate; glslang writes the flooring operation for them.
+      const Lanes whole = op == spv::Op::OpFMod && !m_.is_hlsl() ? b_.floor(quotient) : b_.op(Opcode::Trunc, quotient);
       define(i, b_.sub(a(), b_.mul(b(), whole)));
       return true;
     }

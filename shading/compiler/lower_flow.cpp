@@ -229,7 +229,22 @@ void Lowerer::begin_else() {
 
 void Lowerer::end_if() {
   b_.pop_scope();
-  b_.flow(Opcode::EndIf);
+  std::vector<NodeId>& order = out_.ir.order;
+  const auto last_is = [&](Opcode op) { return !order.empty() && out_.ir.nodes[order.back()].op == op; };
+  if (last_is(Opcode::Else)) order.pop_back();  // nothing on the other side
+  if (last_is(Opcode::If)) order.pop_back();    // nothing at all
+  else b_.flow(Opcode::EndIf);
+}
+
+// Follows blocks that only jump on to where they end: the last of them, and the label it jumps to.
+std::pair<SpvId, SpvId> Lowerer::jump_target(SpvId from, SpvId label, SpvId stop, SpvId merge) const {
+  while (label != stop && label != merge && find_exit(label) == nullptr) {
+    const SpirvBlock& block = m_.block(label);
+    if (block.code.size() != 1 || op_of(block.terminator()) != spv::Op::OpBranch) break;
+    from = label;
+    label = block.terminator().operands[0];
+  }
+  return {from, label};
 }
 
 // Leaves for an exit label under the current mask, or where `condition` holds.
@@ -376,13 +391,15 @@ void Lowerer::selection(SpvId from, SpvId merge, SpvId stop, SpvId& next, bool& 
     return;
   }
   // A conditional jump out: Break or Continue without an If around it.
-  if (const Exit* exit = find_exit(yes); exit != nullptr && yes != stop) {
-    leave(*exit, from, condition);
+  const auto [yes_from, yes_to] = jump_target(from, yes, stop, merge);
+  const auto [no_from, no_to] = jump_target(from, no, stop, merge);
+  if (const Exit* exit = find_exit(yes_to); exit != nullptr && yes_to != stop) {
+    leave(*exit, yes_from, condition);
     next = no;
     return;
   }
-  if (const Exit* exit = find_exit(no); exit != nullptr && no != stop) {
-    leave(*exit, from, inverted());
+  if (const Exit* exit = find_exit(no_to); exit != nullptr && no_to != stop) {
+    leave(*exit, no_from, inverted());
     next = yes;
     return;
   }

@@ -63,7 +63,7 @@ bool Lowerer::integer_arithmetic(const SpirvInstruction& i) {
     case spv::Op::OpSMod: {
       const bool is_signed = op != spv::Op::OpUMod;
       Lanes rest = b_.sub(a(), b_.mul(b(), divide_integers(a(), b(), is_signed)));
-      if (op == spv::Op::OpSMod) {  // the sign of the divisor: add it once where the remainder has the other sign
+      if (op == spv::Op::OpSMod && !m_.is_hlsl()) {  // (HLSL's % truncates; glslang writes OpSMod for it) the sign of the divisor: add it once where the remainder has the other sign
         const Lanes opposite = b_.op(Opcode::Sgt, num(0), b_.mul(rest, b()));
         rest = b_.add(rest, b_.mul(b(), opposite));
       }

@@ -121,6 +121,7 @@ class Lowerer {
   void begin_if(Ref condition);
   void begin_else();
   void end_if();
+  std::pair<SpvId, SpvId> jump_target(SpvId from, SpvId label, SpvId stop, SpvId merge) const;
 
   // memory
   Pointer pointer(SpvId id);

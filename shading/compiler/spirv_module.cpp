@@ -81,6 +81,7 @@ void SpirvModule::decode(const std::string& entry, vm::Stage stage) {
     switch (op) {
       case spv::Op::OpString: strings_[i.result] = literal_string(i.operands); break;
       case spv::Op::OpExtInstImport: imports_[i.result] = literal_string(i.operands); break;
+      case spv::Op::OpSource: is_hlsl_ = i.operands[0] == static_cast<std::uint32_t>(spv::SourceLanguage::HLSL); break;
       case spv::Op::OpName: names_[i.operands[0]] = literal_string(i.operands.subspan(1)); break;
       case spv::Op::OpMemberName: member_names_[{i.operands[0], i.operands[1]}] = literal_string(i.operands.subspan(2)); break;
       case spv::Op::OpEntryPoint: {
@@ -145,7 +146,7 @@ void SpirvModule::add_type(const SpirvInstruction& i) {
       t.kind = o[0] == 32 ? Kind::Int : Kind::Other;
       t.is_signed = o[1] != 0;
       break;
-    case spv::Op::OpTypeFloat: t.kind = o[0] <= 32 ? Kind::Float : Kind::Other; break;
+    case spv::Op::OpTypeFloat: t.kind = Kind::Float; break;  // 16, 32, 64 bits: one number system
     case spv::Op::OpTypeVector:
       t.kind = Kind::Vector;
       t.element = o[0];

@@ -75,6 +75,7 @@ class SpirvModule {
   const std::vector<SpirvInstruction>& globals() const { return globals_; }  // OpVariable at module scope
   const std::vector<SpirvBlock>& blocks() const { return blocks_; }          // entry function, in order
   const SpirvBlock& block(std::uint32_t label) const { return blocks_[block_index_.at(label)]; }
+  bool is_hlsl() const { return is_hlsl_; }  // OpSource says so
   const std::vector<std::string>& files() const { return files_; }
   /// True for a function whose only effect is OpKill or OpTerminateInvocation.
   bool kills(std::uint32_t function) const { return kill_functions_.contains(function); }
@@ -99,6 +100,7 @@ class SpirvModule {
   std::unordered_map<std::uint32_t, std::size_t> block_index_;
   std::unordered_map<std::uint32_t, bool> kill_functions_;
   std::vector<std::string> files_;
+  bool is_hlsl_ = false;
 };
 
 /// "OpImageFetch", and "Determinant" for GLSL.std.450 instruction numbers.
