@@ -6,8 +6,13 @@
 
 namespace aluminate::compiler {
 
-Lowerer::Lowerer(const SpirvModule& module, vm::Stage stage, LoopMode loops, std::set<std::string> explicit_registers)
-    : m_(module), stage_(stage), loops_(loops), explicit_registers_(std::move(explicit_registers)), b_(out_.ir) {}
+Lowerer::Lowerer(const SpirvModule& module, vm::Stage stage, LoopMode loops,
+                 std::set<std::string> explicit_registers)
+    : m_(module),
+      stage_(stage),
+      loops_(loops),
+      explicit_registers_(std::move(explicit_registers)),
+      b_(out_.ir) {}
 
 Lowered Lowerer::run() {
   out_.symbols.stage = stage_;
@@ -18,7 +23,8 @@ Lowered Lowerer::run() {
   return std::move(out_);
 }
 
-Lowered lower(const SpirvModule& module, vm::Stage stage, LoopMode loops, std::set<std::string> explicit_registers) {
+Lowered lower(const SpirvModule& module, vm::Stage stage, LoopMode loops,
+              std::set<std::string> explicit_registers) {
   return Lowerer(module, stage, loops, std::move(explicit_registers)).run();
 }
 
@@ -38,20 +44,25 @@ void Lowerer::refuse(const SpirvInstruction& i, const std::string& what, const s
 Tuple Lowerer::constant(SpvId id, const SpirvInstruction& d) {
   switch (static_cast<spv::Op>(d.op)) {
     case spv::Op::OpConstantTrue:
-    case spv::Op::OpSpecConstantTrue: return {num(1)};
+    case spv::Op::OpSpecConstantTrue:
+      return {num(1)};
     case spv::Op::OpConstantFalse:
-    case spv::Op::OpSpecConstantFalse: return {num(0)};
+    case spv::Op::OpSpecConstantFalse:
+      return {num(0)};
     case spv::Op::OpConstantNull:
-    case spv::Op::OpUndef: return Tuple(m_.scalar_count(d.type), num(0));
+    case spv::Op::OpUndef:
+      return Tuple(m_.scalar_count(d.type), num(0));
     case spv::Op::OpConstant:
     case spv::Op::OpSpecConstant: {
       const SpirvType& t = m_.type(d.type);
       if (t.kind == SpirvType::Kind::Int) return {num(static_cast<double>(*m_.integer(id)))};
       if (t.kind != SpirvType::Kind::Float) refuse(d, "a constant of this type", "use float, int or bool");
       // HLSL's 1.5L: a register holds more than a binary32, so constants may be written with full precision.
-      const double f = d.operands.size() > 1 ? std::bit_cast<double>(std::uint64_t{d.operands[1]} << 32 | d.operands[0])
-                                             : double{std::bit_cast<float>(d.operands[0])};
-      if (!(f - f == 0)) refuse(d, "a constant that is not a finite number", "the number formats have no infinity");
+      const double f = d.operands.size() > 1
+                           ? std::bit_cast<double>(std::uint64_t{d.operands[1]} << 32 | d.operands[0])
+                           : double{std::bit_cast<float>(d.operands[0])};
+      if (!(f - f == 0))
+        refuse(d, "a constant that is not a finite number", "the number formats have no infinity");
       return {num(f)};
     }
     case spv::Op::OpConstantComposite:
@@ -63,7 +74,8 @@ Tuple Lowerer::constant(SpvId id, const SpirvInstruction& d) {
       }
       return t;
     }
-    default: refuse(d, spirv_op_name(d.op));
+    default:
+      refuse(d, spirv_op_name(d.op));
   }
 }
 
@@ -101,26 +113,43 @@ void Lowerer::define(const SpirvInstruction& i, Tuple v) { values_[i.result] = s
 void Lowerer::instruction(const SpirvInstruction& i) {
   if (i.line.line != 0) b_.set_line(i.line);
   switch (static_cast<spv::Op>(i.op)) {
-    case spv::Op::OpVariable: declare(i); return;
+    case spv::Op::OpVariable:
+      declare(i);
+      return;
     case spv::Op::OpAccessChain:
-    case spv::Op::OpInBoundsAccessChain: access_chain(i); return;
-    case spv::Op::OpLoad: load(i); return;
-    case spv::Op::OpStore: store(i); return;
-    case spv::Op::OpUndef: define(i, Tuple(m_.scalar_count(i.type), num(0))); return;
+    case spv::Op::OpInBoundsAccessChain:
+      access_chain(i);
+      return;
+    case spv::Op::OpLoad:
+      load(i);
+      return;
+    case spv::Op::OpStore:
+      store(i);
+      return;
+    case spv::Op::OpUndef:
+      define(i, Tuple(m_.scalar_count(i.type), num(0)));
+      return;
     case spv::Op::OpCopyObject:
     case spv::Op::OpCopyLogical:
-      if (pointers_.contains(i.operands[0])) pointers_[i.result] = pointers_[i.operands[0]];
-      else if (images_.contains(i.operands[0])) images_[i.result] = images_[i.operands[0]];
-      else define(i, value(i.operands[0]));
+      if (pointers_.contains(i.operands[0]))
+        pointers_[i.result] = pointers_[i.operands[0]];
+      else if (images_.contains(i.operands[0]))
+        images_[i.result] = images_[i.operands[0]];
+      else
+        define(i, value(i.operands[0]));
       return;
-    case spv::Op::OpCopyMemory: refuse(i, "OpCopyMemory"); 
-    case spv::Op::OpDemoteToHelperInvocation: b_.kill_if(num(1)); return;
+    case spv::Op::OpCopyMemory:
+      refuse(i, "OpCopyMemory");
+    case spv::Op::OpDemoteToHelperInvocation:
+      b_.kill_if(num(1));
+      return;
     case spv::Op::OpFunctionCall:
       if (m_.kills(i.operands[0])) {
         b_.kill_if(num(1));
         return;
       }
-      refuse(i, fmt::format("a call of '{}' that cannot be inlined", m_.name(i.operands[0])), "recursion has no stack here");
+      refuse(i, fmt::format("a call of '{}' that cannot be inlined", m_.name(i.operands[0])),
+             "recursion has no stack here");
     case spv::Op::OpExtInst:
       if (m_.import_name(i.operands[0]) != "GLSL.std.450") {
         if (m_.import_name(i.operands[0]).starts_with("NonSemantic.")) return;
@@ -128,9 +157,11 @@ void Lowerer::instruction(const SpirvInstruction& i) {
       }
       glsl_std(i);
       return;
-    default: break;
+    default:
+      break;
   }
-  if (arithmetic(i) || comparison(i) || composite(i) || integer_arithmetic(i) || matrix(i) || texture(i)) return;
+  if (arithmetic(i) || comparison(i) || composite(i) || integer_arithmetic(i) || matrix(i) || texture(i))
+    return;
   refuse(i, spirv_op_name(i.op));
 }
 

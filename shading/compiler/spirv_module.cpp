@@ -25,7 +25,9 @@ std::string literal_string(std::span<const std::uint32_t> words) {
   return text;
 }
 
-std::size_t string_words(std::span<const std::uint32_t> words) { return literal_string(words).size() / 4 + 1; }
+std::size_t string_words(std::span<const std::uint32_t> words) {
+  return literal_string(words).size() / 4 + 1;
+}
 
 bool is_terminator(spv::Op op) {
   switch (op) {
@@ -36,8 +38,10 @@ bool is_terminator(spv::Op op) {
     case spv::Op::OpReturnValue:
     case spv::Op::OpKill:
     case spv::Op::OpTerminateInvocation:
-    case spv::Op::OpUnreachable: return true;
-    default: return false;
+    case spv::Op::OpUnreachable:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -79,11 +83,21 @@ void SpirvModule::decode(const std::string& entry, vm::Stage stage) {
     at += size;
 
     switch (op) {
-      case spv::Op::OpString: strings_[i.result] = literal_string(i.operands); break;
-      case spv::Op::OpExtInstImport: imports_[i.result] = literal_string(i.operands); break;
-      case spv::Op::OpSource: is_hlsl_ = i.operands[0] == static_cast<std::uint32_t>(spv::SourceLanguage::HLSL); break;
-      case spv::Op::OpName: names_[i.operands[0]] = literal_string(i.operands.subspan(1)); break;
-      case spv::Op::OpMemberName: member_names_[{i.operands[0], i.operands[1]}] = literal_string(i.operands.subspan(2)); break;
+      case spv::Op::OpString:
+        strings_[i.result] = literal_string(i.operands);
+        break;
+      case spv::Op::OpExtInstImport:
+        imports_[i.result] = literal_string(i.operands);
+        break;
+      case spv::Op::OpSource:
+        is_hlsl_ = i.operands[0] == static_cast<std::uint32_t>(spv::SourceLanguage::HLSL);
+        break;
+      case spv::Op::OpName:
+        names_[i.operands[0]] = literal_string(i.operands.subspan(1));
+        break;
+      case spv::Op::OpMemberName:
+        member_names_[{i.operands[0], i.operands[1]}] = literal_string(i.operands.subspan(2));
+        break;
       case spv::Op::OpEntryPoint: {
         const std::string name = literal_string(i.operands.subspan(2));
         if (name == entry && i.operands[0] == static_cast<std::uint32_t>(model)) {
@@ -96,9 +110,11 @@ void SpirvModule::decode(const std::string& entry, vm::Stage stage) {
         break;
       }
       case spv::Op::OpLine: {
-        const auto [it, fresh] = file_index.try_emplace(i.operands[0], static_cast<std::uint16_t>(files_.size()));
+        const auto [it, fresh] =
+            file_index.try_emplace(i.operands[0], static_cast<std::uint16_t>(files_.size()));
         if (fresh) files_.push_back(strings_[i.operands[0]]);
-        line = {it->second, static_cast<std::uint16_t>(std::min<std::uint32_t>(i.operands[2], 0xffff)), i.operands[1]};
+        line = {it->second, static_cast<std::uint16_t>(std::min<std::uint32_t>(i.operands[2], 0xffff)),
+                i.operands[1]};
         break;
       }
       case spv::Op::OpFunction:
@@ -117,21 +133,23 @@ void SpirvModule::decode(const std::string& entry, vm::Stage stage) {
         add_type(i);
         add_decoration(i);
         if (function == 0 && op == spv::Op::OpVariable) globals_.push_back(i);
-        if (function != 0 && op != spv::Op::OpLabel && op != spv::Op::OpKill && op != spv::Op::OpTerminateInvocation &&
-            op != spv::Op::OpNoLine)
+        if (function != 0 && op != spv::Op::OpLabel && op != spv::Op::OpKill &&
+            op != spv::Op::OpTerminateInvocation && op != spv::Op::OpNoLine)
           only_kill = false;
         if (function != main || function == 0) break;
         if (op == spv::Op::OpLabel) {
           block_index_[i.result] = blocks_.size();
           blocks_.push_back({i.result, {}});
         } else if (op != spv::Op::OpNoLine && op != spv::Op::OpNop && !blocks_.empty() &&
-                   (blocks_.back().code.empty() || !is_terminator(static_cast<spv::Op>(blocks_.back().code.back().op)))) {
+                   (blocks_.back().code.empty() ||
+                    !is_terminator(static_cast<spv::Op>(blocks_.back().code.back().op)))) {
           blocks_.back().code.push_back(i);
         }
     }
   }
   if (main == 0 || blocks_.empty())
-    throw UserError(fmt::format("no {} entry point '{}' in the module", stage == vm::Stage::Pixel ? "fragment" : "vertex", entry),
+    throw UserError(fmt::format("no {} entry point '{}' in the module",
+                                stage == vm::Stage::Pixel ? "fragment" : "vertex", entry),
                     others.empty() ? "" : "it has: " + others);
 }
 
@@ -140,13 +158,19 @@ void SpirvModule::add_type(const SpirvInstruction& i) {
   SpirvType t;
   const auto o = i.operands;
   switch (static_cast<spv::Op>(i.op)) {
-    case spv::Op::OpTypeVoid: t.kind = Kind::Void; break;
-    case spv::Op::OpTypeBool: t.kind = Kind::Bool; break;
+    case spv::Op::OpTypeVoid:
+      t.kind = Kind::Void;
+      break;
+    case spv::Op::OpTypeBool:
+      t.kind = Kind::Bool;
+      break;
     case spv::Op::OpTypeInt:
       t.kind = o[0] == 32 ? Kind::Int : Kind::Other;
       t.is_signed = o[1] != 0;
       break;
-    case spv::Op::OpTypeFloat: t.kind = Kind::Float; break;  // 16, 32, 64 bits: one number system
+    case spv::Op::OpTypeFloat:
+      t.kind = Kind::Float;
+      break;  // 16, 32, 64 bits: one number system
     case spv::Op::OpTypeVector:
       t.kind = Kind::Vector;
       t.element = o[0];
@@ -178,13 +202,18 @@ void SpirvModule::add_type(const SpirvInstruction& i) {
       t.arrayed = o[3] != 0;
       t.multisampled = o[4] != 0;
       break;
-    case spv::Op::OpTypeSampler: t.kind = Kind::Sampler; break;
+    case spv::Op::OpTypeSampler:
+      t.kind = Kind::Sampler;
+      break;
     case spv::Op::OpTypeSampledImage:
       t.kind = Kind::SampledImage;
       t.element = o[0];
       break;
-    case spv::Op::OpTypeRuntimeArray: t.element = o[0]; break;
-    default: return;
+    case spv::Op::OpTypeRuntimeArray:
+      t.element = o[0];
+      break;
+    default:
+      return;
   }
   types_[i.result] = std::move(t);
 }
@@ -192,8 +221,12 @@ void SpirvModule::add_type(const SpirvInstruction& i) {
 void SpirvModule::add_decoration(const SpirvInstruction& i) {
   const auto o = i.operands;
   switch (static_cast<spv::Op>(i.op)) {
-    case spv::Op::OpDecorate: decorations_[o[0]].value[o[1]] = o.size() > 2 ? o[2] : 0; break;
-    case spv::Op::OpMemberDecorate: member_decorations_[{o[0], o[1]}].value[o[2]] = o.size() > 3 ? o[3] : 0; break;
+    case spv::Op::OpDecorate:
+      decorations_[o[0]].value[o[1]] = o.size() > 2 ? o[2] : 0;
+      break;
+    case spv::Op::OpMemberDecorate:
+      member_decorations_[{o[0], o[1]}].value[o[2]] = o.size() > 3 ? o[3] : 0;
+      break;
     case spv::Op::OpDecorateString:
       if (static_cast<spv::Decoration>(o[1]) == spv::Decoration::UserSemantic)
         decorations_[o[0]].semantic = literal_string(o.subspan(2));
@@ -202,7 +235,8 @@ void SpirvModule::add_decoration(const SpirvInstruction& i) {
       if (static_cast<spv::Decoration>(o[2]) == spv::Decoration::UserSemantic)
         member_decorations_[{o[0], o[1]}].semantic = literal_string(o.subspan(3));
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -220,8 +254,10 @@ std::uint32_t SpirvModule::scalar_count(std::uint32_t type_id) const {
       for (std::uint32_t m : t.members) n += scalar_count(m);
       return static_cast<std::uint32_t>(std::min<std::uint64_t>(n, 1u << 30));
     }
-    case SpirvType::Kind::Void: return 0;
-    default: return 1;
+    case SpirvType::Kind::Void:
+      return 0;
+    default:
+      return 1;
   }
 }
 
@@ -273,10 +309,13 @@ std::optional<std::int64_t> SpirvModule::integer(std::uint32_t id) const {
     case spv::Op::OpSpecConstant: {
       auto t = types_.find(i->type);
       if (t == types_.end() || t->second.kind != SpirvType::Kind::Int) return std::nullopt;
-      return t->second.is_signed ? std::int64_t{static_cast<std::int32_t>(i->operands[0])} : std::int64_t{i->operands[0]};
+      return t->second.is_signed ? std::int64_t{static_cast<std::int32_t>(i->operands[0])}
+                                 : std::int64_t{i->operands[0]};
     }
-    case spv::Op::OpConstantNull: return 0;
-    default: return std::nullopt;
+    case spv::Op::OpConstantNull:
+      return 0;
+    default:
+      return std::nullopt;
   }
 }
 
@@ -291,18 +330,90 @@ std::string spirv_op_name(std::uint32_t op) {
 }
 
 std::string glsl_std_name(std::uint32_t instruction) {
-  static constexpr std::array kNames = {
-      "Bad", "Round", "RoundEven", "Trunc", "FAbs", "SAbs", "FSign", "SSign", "Floor", "Ceil", "Fract",
-      "Radians", "Degrees", "Sin", "Cos", "Tan", "Asin", "Acos", "Atan", "Sinh", "Cosh", "Tanh", "Asinh",
-      "Acosh", "Atanh", "Atan2", "Pow", "Exp", "Log", "Exp2", "Log2", "Sqrt", "InverseSqrt", "Determinant",
-      "MatrixInverse", "Modf", "ModfStruct", "FMin", "UMin", "SMin", "FMax", "UMax", "SMax", "FClamp",
-      "UClamp", "SClamp", "FMix", "IMix", "Step", "SmoothStep", "Fma", "Frexp", "FrexpStruct", "Ldexp",
-      "PackSnorm4x8", "PackUnorm4x8", "PackSnorm2x16", "PackUnorm2x16", "PackHalf2x16", "PackDouble2x32",
-      "UnpackSnorm2x16", "UnpackUnorm2x16", "UnpackHalf2x16", "UnpackSnorm4x8", "UnpackUnorm4x8",
-      "UnpackDouble2x32", "Length", "Distance", "Cross", "Normalize", "FaceForward", "Reflect", "Refract",
-      "FindILsb", "FindSMsb", "FindUMsb", "InterpolateAtCentroid", "InterpolateAtSample",
-      "InterpolateAtOffset", "NMin", "NMax", "NClamp"};
-  return instruction < kNames.size() ? kNames[instruction] : fmt::format("GLSL.std.450 instruction {}", instruction);
+  static constexpr std::array kNames = {"Bad",
+                                        "Round",
+                                        "RoundEven",
+                                        "Trunc",
+                                        "FAbs",
+                                        "SAbs",
+                                        "FSign",
+                                        "SSign",
+                                        "Floor",
+                                        "Ceil",
+                                        "Fract",
+                                        "Radians",
+                                        "Degrees",
+                                        "Sin",
+                                        "Cos",
+                                        "Tan",
+                                        "Asin",
+                                        "Acos",
+                                        "Atan",
+                                        "Sinh",
+                                        "Cosh",
+                                        "Tanh",
+                                        "Asinh",
+                                        "Acosh",
+                                        "Atanh",
+                                        "Atan2",
+                                        "Pow",
+                                        "Exp",
+                                        "Log",
+                                        "Exp2",
+                                        "Log2",
+                                        "Sqrt",
+                                        "InverseSqrt",
+                                        "Determinant",
+                                        "MatrixInverse",
+                                        "Modf",
+                                        "ModfStruct",
+                                        "FMin",
+                                        "UMin",
+                                        "SMin",
+                                        "FMax",
+                                        "UMax",
+                                        "SMax",
+                                        "FClamp",
+                                        "UClamp",
+                                        "SClamp",
+                                        "FMix",
+                                        "IMix",
+                                        "Step",
+                                        "SmoothStep",
+                                        "Fma",
+                                        "Frexp",
+                                        "FrexpStruct",
+                                        "Ldexp",
+                                        "PackSnorm4x8",
+                                        "PackUnorm4x8",
+                                        "PackSnorm2x16",
+                                        "PackUnorm2x16",
+                                        "PackHalf2x16",
+                                        "PackDouble2x32",
+                                        "UnpackSnorm2x16",
+                                        "UnpackUnorm2x16",
+                                        "UnpackHalf2x16",
+                                        "UnpackSnorm4x8",
+                                        "UnpackUnorm4x8",
+                                        "UnpackDouble2x32",
+                                        "Length",
+                                        "Distance",
+                                        "Cross",
+                                        "Normalize",
+                                        "FaceForward",
+                                        "Reflect",
+                                        "Refract",
+                                        "FindILsb",
+                                        "FindSMsb",
+                                        "FindUMsb",
+                                        "InterpolateAtCentroid",
+                                        "InterpolateAtSample",
+                                        "InterpolateAtOffset",
+                                        "NMin",
+                                        "NMax",
+                                        "NClamp"};
+  return instruction < kNames.size() ? kNames[instruction]
+                                     : fmt::format("GLSL.std.450 instruction {}", instruction);
 }
 
 }  // namespace aluminate::compiler

@@ -6,6 +6,6 @@ float4 main(float4 angles : TEXCOORD0,     // n.l, n.v, n.h, h.v
     : COLOR0 {
   float4 dots = saturate(angles);
   float m = specular_power(material.x);
-  float f = material.y + (1.0 - material.y) * fresnel_weight(dots.w);
-  return f * specular_lobe(m, dots.x, dots.y, dots.z);
+  float f = saturate(material.y + (1.0 - material.y) * fresnel_weight(dots.w));
+  return 8.0 * (f * specular_lobe_8th(m, dots.x, dots.y, dots.z));
 }

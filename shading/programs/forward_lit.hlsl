@@ -18,7 +18,7 @@ float4 ambient;                        // rgb
 #endif
 
 #if LIGHT_COUNT > 0
-float3 punctual(Surface s, float3 position, float3 v, float n_dot_v, int i) {
+float3 punctual(Surface s, float3 cspec_8, float3 position, float3 v, float n_dot_v, int i) {
   float3 to_light = light_position[i].xyz - position * light_position[i].w;
   float distance_squared = max(dot(to_light, to_light), 0.00000001);
   float3 l = to_light * rsqrt(distance_squared);
@@ -29,7 +29,7 @@ float3 punctual(Surface s, float3 position, float3 v, float n_dot_v, int i) {
   float n_dot_h = saturate(dot(s.n, h));
   float h_dot_v = saturate(dot(h, v));
 
-  float3 reflected = s.cdiff + fresnel(s.cspec, h_dot_v) * specular_lobe(s.m, n_dot_l, n_dot_v, n_dot_h);
+  float3 reflected = s.cdiff + fresnel_8(cspec_8, h_dot_v) * specular_lobe_8th(s.m, n_dot_l, n_dot_v, n_dot_h);
   return light_color[i].rgb * (attenuation(i, distance_squared, l) * n_dot_l) * reflected;
 }
 #endif
@@ -49,8 +49,9 @@ float4 main(Interpolants i) : COLOR0 {
 
   float3 radiance = s.emissive + s.occlusion * ambient.rgb * (s.cdiff + s.cspec);
 #if LIGHT_COUNT > 0
+  float3 cspec_8 = 8.0 * s.cspec;
   LIGHT_LOOP
-  for (int light = 0; light < LIGHT_COUNT; ++light) radiance += punctual(s, i.position, v, n_dot_v, light);
+  for (int light = 0; light < LIGHT_COUNT; ++light) radiance += punctual(s, cspec_8, i.position, v, n_dot_v, light);
 #endif
   return float4(radiance, s.alpha);
 #endif

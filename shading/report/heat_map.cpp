@@ -70,12 +70,20 @@ Image8 heat_map(int width, int height, std::span<const std::uint32_t> values, st
 Image8 difference_heat_map(int width, int height, std::span<const std::uint32_t> a, std::span<const std::uint32_t> b,
                            const std::string& title) {
   Image8 image = canvas(width, height);
+  std::vector<std::int64_t> sizes;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (a[i] != b[i]) sizes.push_back(std::abs(std::int64_t{b[i]} - std::int64_t{a[i]}));
   std::int64_t scale = 1;
-  for (std::size_t i = 0; i < a.size(); ++i) scale = std::max(scale, std::abs(std::int64_t{b[i]} - std::int64_t{a[i]}));
+  if (!sizes.empty()) {
+    const auto rank = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() * 99 + 99) / 100 - 1);
+    std::nth_element(sizes.begin(), rank, sizes.end());
+    scale = *rank;
+  }
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      put(image, x, y, diverging(static_cast<int>((std::int64_t{b[i]} - std::int64_t{a[i]}) * 255 / scale)));
+      const std::int64_t change = std::clamp(std::int64_t{b[i]} - std::int64_t{a[i]}, -scale, scale);
+      put(image, x, y, diverging(static_cast<int>(change * 255 / scale)));
     }
   draw_legend(image, title, fmt::format("-{}", scale), fmt::format("+{}", scale), [](int i) { return diverging(2 * i - 255); });
   return image;

@@ -15,7 +15,8 @@ namespace aluminate::report {
 host::Image8 heat_map(int width, int height, std::span<const std::uint32_t> values, std::uint32_t scale_max,
                       const std::string& title);
 
-/// b - a: blue where b is smaller, white where equal, orange where larger; the scale is symmetric.
+/// b - a: blue where b is smaller, white where equal, orange where larger; the scale is symmetric and ends at the 99th
+/// percentile of the differing pixels.
 host::Image8 difference_heat_map(int width, int height, std::span<const std::uint32_t> a, std::span<const std::uint32_t> b,
                                  const std::string& title);
 

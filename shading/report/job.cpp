@@ -84,9 +84,10 @@ std::vector<ComparisonFile> comparison_files(const Billed& a, const Billed& b, c
   const int width = a.frame.width, height = a.frame.height;
   const auto& words_a = a.frame.cost.alu_words;
   const auto& words_b = b.frame.cost.alu_words;
-  // One scale for both, so that the two maps can be laid side by side.
-  const std::uint32_t scale = std::max(distribution(words_a, a.frame.covered).max, distribution(words_b, b.frame.covered).max);
-  const int gain = difference.max_step > 0 ? std::max(1, 255 / difference.max_step) : 1;
+  // One scale for both, so that the two maps can be laid side by side; the dearest percent is clipped, else a few pixels
+  // of sliver triangles would leave the rest in one colour. The legend counts them.
+  const std::uint32_t scale = std::max(distribution(words_a, a.frame.covered).p99, distribution(words_b, b.frame.covered).p99);
+  const int gain = difference.p99_step > 0 ? std::max(1, 255 / difference.p99_step) : 1;
   const std::string unit = fmt::format("ALU words per pixel on {}", a.gpu.name);
   std::vector<ComparisonFile> files;
   files.push_back({"a.png", encode_picture("a.png", a)});

@@ -22,9 +22,13 @@ Distribution distribution(std::span<const std::uint32_t> values, std::span<const
   d.pixels = sorted.size();
   if (sorted.empty()) return d;
   d.max = *std::max_element(sorted.begin(), sorted.end());
-  const std::size_t rank = (sorted.size() * 95 + 99) / 100 - 1;  // nearest rank
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
-  d.p95 = sorted[rank];
+  const auto percentile = [&sorted](std::size_t percent) {
+    const std::size_t rank = (sorted.size() * percent + 99) / 100 - 1;  // nearest rank
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
+    return sorted[rank];
+  };
+  d.p95 = percentile(95);
+  d.p99 = percentile(99);
   return d;
 }
 
@@ -32,13 +36,14 @@ ImageDifference compare_images(int width, std::span<const std::uint8_t> rgba_a, 
   ALU_CHECK(rgba_a.size() == rgba_b.size() && width > 0, "{} and {} bytes", rgba_a.size(), rgba_b.size());
   ImageDifference d;
   d.pixels = rgba_a.size() / 4;
+  std::uint64_t histogram[256] = {};  // differing pixels by their largest channel
   for (std::size_t i = 0; i < d.pixels; ++i) {
     const int x = static_cast<int>(i % static_cast<std::size_t>(width)), y = static_cast<int>(i / static_cast<std::size_t>(width));
-    bool differs = false;
+    int largest = 0;
     for (int channel = 0; channel < 3; ++channel) {
       const std::size_t at = i * 4 + static_cast<std::size_t>(channel);
       const int step = std::abs(int{rgba_a[at]} - int{rgba_b[at]});
-      differs |= step != 0;
+      largest = std::max(largest, step);
       d.total_steps += static_cast<std::uint64_t>(step);
       if (step > d.max_step) {
         d.max_step = step;
@@ -47,12 +52,14 @@ ImageDifference compare_images(int width, std::span<const std::uint8_t> rgba_a, 
         d.worst_channel = channel;
       }
     }
-    if (!differs) continue;
+    if (largest == 0) continue;
+    ++histogram[largest];
     if (d.differing++ == 0) {
       d.first_x = x;
       d.first_y = y;
     }
   }
+  for (std::uint64_t below = 0; d.differing > 0 && below * 100 < d.differing * 99; below += histogram[d.p99_step]) ++d.p99_step;
   return d;
 }
 

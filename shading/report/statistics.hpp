@@ -8,10 +8,10 @@
 
 namespace aluminate::report {
 
-/// Of the pixels that were drawn at all. mean = total / pixels; p95 = smallest value that 95 % of them do not exceed.
+/// Of the pixels that were drawn at all. mean = total / pixels; p95, p99 = smallest value that so many percent do not exceed.
 struct Distribution {
   std::uint64_t pixels = 0, total = 0;
-  std::uint32_t p95 = 0, max = 0;
+  std::uint32_t p95 = 0, p99 = 0, max = 0;
   double mean() const { return pixels ? static_cast<double>(total) / static_cast<double>(pixels) : 0.0; }
 };
 
@@ -25,6 +25,7 @@ struct ImageDifference {
   int worst_x = -1, worst_y = -1, worst_channel = 0;   // first pixel with the largest difference, in reading order
   int first_x = -1, first_y = -1;                      // first differing pixel, in reading order
   std::uint64_t total_steps = 0;                       // over pixels and channels
+  int p99_step = 0;                                    // of the differing pixels, largest channel
   double mean_step() const { return pixels ? static_cast<double>(total_steps) / (3.0 * static_cast<double>(pixels)) : 0.0; }
   bool same() const { return differing == 0; }
 };
