@@ -53,9 +53,9 @@ int shaken(std::uint32_t shake, int node) {
 /// Places the words of one region (between two levels of fetches) from the last to the first.
 class RegionScheduler {
  public:
-  RegionScheduler(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths, PairingRule pairing,
-                  Priority priority, const std::vector<bool>& member)
-      : graph_(graph), slots_(slots), lengths_(lengths), pairing_(pairing), priority_(priority), waiting_(graph.nodes.size(), 0),
+  RegionScheduler(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths, Priority priority,
+                  const std::vector<bool>& member)
+      : graph_(graph), slots_(slots), lengths_(lengths), priority_(priority), waiting_(graph.nodes.size(), 0),
         before_(graph.nodes.size()) {
     for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
       if (!member[n]) continue;
@@ -197,7 +197,6 @@ class RegionScheduler {
   const Graph& graph_;
   const std::vector<SlotChoice>& slots_;
   const ChainLengths& lengths_;
-  PairingRule pairing_;
   Priority priority_;
   std::vector<int> waiting_;
   std::vector<std::vector<int>> before_;
@@ -267,7 +266,7 @@ FetchLevels find_levels(const Graph& graph) {
 int divide_up(int a, int b) { return (a + b - 1) / b; }
 
 BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths,
-                           const FetchLevels& levels, PairingRule pairing, Priority priority) {
+                           const FetchLevels& levels, Priority priority) {
   BlockSchedule schedule;
   for (int level = 0; level <= levels.count; ++level) {
     std::vector<bool> member(graph.nodes.size(), false);
@@ -280,7 +279,7 @@ BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& sl
         member[n] = true;
       }
     }
-    std::vector<Issue> words = RegionScheduler(graph, slots, lengths, pairing, priority, member).run();
+    std::vector<Issue> words = RegionScheduler(graph, slots, lengths, priority, member).run();
     std::reverse(words.begin(), words.end());
     schedule.words += static_cast<int>(words.size());
     schedule.issues.insert(schedule.issues.end(), words.begin(), words.end());
@@ -375,7 +374,7 @@ BlockSchedule schedule_block(const Graph& graph, PairingRule pairing) {
   BlockSchedule best;
   bool first = true;
   const auto attempt = [&](Priority priority) {
-    BlockSchedule schedule = try_priority(graph, slots, lengths, levels, pairing, priority);
+    BlockSchedule schedule = try_priority(graph, slots, lengths, levels, priority);
     if (first || schedule.words < best.words) best = std::move(schedule);
     first = false;
   };

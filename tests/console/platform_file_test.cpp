@@ -47,6 +47,19 @@ TEST(PlatformFiles, EverySourceKeyIsInTheReferences) {
   }
 }
 
+TEST(PlatformFiles, DocumentShowsThemAsTheyAre) {
+  std::ifstream file(std::string(ALUMINATE_SOURCE_DIR) + "/docs/cost_model.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  for (const console::PlatformEntry& entry : console::builtin_platforms()) {
+    const std::string table = console::format_platform(console::load_platform(std::string(entry.id)));
+    EXPECT_NE(text.str().find(table), std::string::npos) << "docs/cost_model.md section 7, " << entry.id << " must read:\n" << table;
+  }
+  for (const FigureField& field : console::figure_fields()) {
+    EXPECT_NE(text.str().find("`" + std::string(field.table) + "." + std::string(field.key) + "`"), std::string::npos) << field.key;
+  }
+}
+
 TEST(PlatformFiles, ClocksAreTheSystemReportedOnes) {
   EXPECT_EQ(console::load_platform("rsx").clock.core_mhz.value, 500);
   EXPECT_EQ(console::load_platform("rsx").memory.bandwidth_gbs.value, 20.8);
