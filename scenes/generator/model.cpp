@@ -12,13 +12,15 @@
 namespace aluminate::scenes::generator {
 namespace {
 
-constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963, kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963, kUnsignedByte = 5121, kUnsignedShort = 5123,
+              kUnsignedInt = 5125, kFloat = 5126;
 
 glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
 
 glm::dmat4 looking(const glm::dvec3& eye, const glm::dvec3& target) {
   const glm::dvec3 back = unit(eye - target);
-  const glm::dvec3 side = glm::cross(std::fabs(back.y) > 0.999 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0), back);
+  const glm::dvec3 side =
+      glm::cross(std::fabs(back.y) > 0.999 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0), back);
   const glm::dvec3 right = unit(side), up = glm::cross(back, right);
   return glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
 }
@@ -46,7 +48,8 @@ void Surface::add_tangents() {
   const gltf::UvGradients gradients = gltf::summed_uv_gradients(positions, uv, indices);
   tangents.clear();
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const glm::dvec3 along = gltf::unit_or_zero(gradients.along_u[i] - normals[i] * glm::dot(normals[i], gradients.along_u[i]));
+    const glm::dvec3 along =
+        gltf::unit_or_zero(gradients.along_u[i] - normals[i] * glm::dot(normals[i], gradients.along_u[i]));
     const glm::dvec3 tangent = along == glm::dvec3(0) ? gltf::any_tangent(normals[i]) : along;
     const double w = glm::dot(glm::cross(normals[i], tangent), gradients.along_v[i]) > 0 ? -1 : 1;
     tangents.push_back(glm::dvec4(tangent, w));
@@ -76,7 +79,8 @@ void Model::use_extension(const std::string& name) {
 
 int Model::add_texture(const std::string& what, host::Image8 image) {
   const std::string file = name_ + "_" + what + ".png";
-  if (!root_.contains("samplers")) append("samplers", {{"magFilter", 9729}, {"minFilter", 9987}, {"wrapS", 10497}, {"wrapT", 10497}});
+  if (!root_.contains("samplers"))
+    append("samplers", {{"magFilter", 9729}, {"minFilter", 9987}, {"wrapS", 10497}, {"wrapT", 10497}});
   const int index = append("images", {{"name", what}, {"uri", file}});
   images_.emplace_back(file, std::move(image));
   return append("textures", {{"sampler", 0}, {"source", index}});
@@ -92,7 +96,8 @@ int Model::add_view(const void* bytes, std::size_t size, int target) {
   const std::size_t offset = bin_.size();
   bin_.resize(offset + (size + 3) / 4 * 4, 0);
   std::memcpy(bin_.data() + offset, bytes, size);
-  return append("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}, {"target", target}});
+  return append("bufferViews",
+                {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}, {"target", target}});
 }
 
 ordered_json Model::add_surface(const Surface& surface) {
@@ -100,7 +105,8 @@ ordered_json Model::add_surface(const Surface& surface) {
   ordered_json attributes;
   const auto add_floats = [&](const char* semantic, const char* type, const std::vector<float>& values) {
     const int view = add_view(values.data(), values.size() * sizeof(float), kVertexBuffer);
-    attributes[semantic] = append("accessors", {{"bufferView", view}, {"componentType", kFloat}, {"count", count}, {"type", type}});
+    attributes[semantic] = append(
+        "accessors", {{"bufferView", view}, {"componentType", kFloat}, {"count", count}, {"type", type}});
   };
   const auto floats = [](const auto& vectors) {
     std::vector<float> out;
@@ -124,7 +130,8 @@ ordered_json Model::add_surface(const Surface& surface) {
   if (!surface.colors.empty()) {
     std::vector<std::uint8_t> bytes;
     for (const auto& c : surface.colors)
-      for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(c[i], 0.0, 1.0) * 255)));
+      for (int i = 0; i < 4; ++i)
+        bytes.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(c[i], 0.0, 1.0) * 255)));
     const int view = add_view(bytes.data(), bytes.size(), kVertexBuffer);
     attributes["COLOR_0"] = append("accessors", {{"bufferView", view},
                                                  {"componentType", kUnsignedByte},
@@ -156,27 +163,35 @@ int Model::add_mesh(const std::string& name, const ordered_json& primitive, int 
 void Model::place(const std::string& name, int mesh, const glm::dmat4& placement) {
   ordered_json node = {{"name", name}, {"mesh", mesh}};
   if (placement != glm::dmat4(1)) node["matrix"] = numbers(placement);
-  root_["scenes"][0]["nodes"].push_back(append("nodes", node));
+  add_root(node);
 }
 
-void Model::add_camera(const std::string& name, const glm::dvec3& eye, const glm::dvec3& target, double fovy_degrees, double near_plane) {
-  const int camera = append("cameras", {{"name", name},
-                                        {"type", "perspective"},
-                                        {"perspective", {{"yfov", fovy_degrees * (kPi / 180)}, {"znear", near_plane}}}});
-  root_["scenes"][0]["nodes"].push_back(append("nodes", {{"name", name}, {"camera", camera}, {"matrix", numbers(looking(eye, target))}}));
+void Model::add_root(const ordered_json& node) {
+  const int index = append("nodes", node);  // first: it may move the members of root_
+  root_["scenes"][0]["nodes"].push_back(index);
 }
 
-void Model::add_light(const std::string& name, const std::string& kind, const glm::dvec3& color, double intensity, const glm::dvec3& from,
-                      const glm::dvec3& to, double range) {
+void Model::add_camera(const std::string& name, const glm::dvec3& eye, const glm::dvec3& target,
+                       double fovy_degrees, double near_plane) {
+  const int camera =
+      append("cameras", {{"name", name},
+                         {"type", "perspective"},
+                         {"perspective", {{"yfov", fovy_degrees * (kPi / 180)}, {"znear", near_plane}}}});
+  add_root({{"name", name}, {"camera", camera}, {"matrix", numbers(looking(eye, target))}});
+}
+
+void Model::add_light(const std::string& name, const std::string& kind, const glm::dvec3& color,
+                      double intensity, const glm::dvec3& from, const glm::dvec3& to, double range) {
   use_extension("KHR_lights_punctual");
-  ordered_json light = {{"name", name}, {"type", kind}, {"color", {color.r, color.g, color.b}}, {"intensity", intensity}};
+  ordered_json light = {
+      {"name", name}, {"type", kind}, {"color", {color.r, color.g, color.b}}, {"intensity", intensity}};
   if (range > 0) light["range"] = range;
   auto& lights = root_["extensions"]["KHR_lights_punctual"]["lights"];
   lights.push_back(light);
   ordered_json node = {{"name", name}};
   node["matrix"] = numbers(kind == "point" ? moved(from) : looking(from, to));
   node["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
-  root_["scenes"][0]["nodes"].push_back(append("nodes", node));
+  add_root(node);
 }
 
 void Model::write(const std::filesystem::path& folder) const {
@@ -191,13 +206,15 @@ void Model::write(const std::filesystem::path& folder) const {
   for (const auto& [file, image] : images_) save(file, host::encode_png(image));
 }
 
-ordered_json pbr_material(const std::string& name, const glm::dvec4& base_color, double metallic, double roughness, int base_color_texture,
-                          int normal_texture, int metallic_roughness_texture) {
+ordered_json pbr_material(const std::string& name, const glm::dvec4& base_color, double metallic,
+                          double roughness, int base_color_texture, int normal_texture,
+                          int metallic_roughness_texture) {
   ordered_json pbr = {{"baseColorFactor", {base_color.r, base_color.g, base_color.b, base_color.a}},
                       {"metallicFactor", metallic},
                       {"roughnessFactor", roughness}};
   if (base_color_texture >= 0) pbr["baseColorTexture"] = {{"index", base_color_texture}};
-  if (metallic_roughness_texture >= 0) pbr["metallicRoughnessTexture"] = {{"index", metallic_roughness_texture}};
+  if (metallic_roughness_texture >= 0)
+    pbr["metallicRoughnessTexture"] = {{"index", metallic_roughness_texture}};
   ordered_json material = {{"name", name}, {"pbrMetallicRoughness", pbr}};
   if (normal_texture >= 0) material["normalTexture"] = {{"index", normal_texture}};
   return material;
@@ -211,17 +228,20 @@ glm::dmat4 moved(const glm::dvec3& offset) {
 
 glm::dmat4 turned_y(double degrees) {
   const SinCos a = sin_cos(degrees * (kPi / 180));
-  return glm::dmat4(glm::dvec4(a.cos, 0, -a.sin, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(a.sin, 0, a.cos, 0), glm::dvec4(0, 0, 0, 1));
+  return glm::dmat4(glm::dvec4(a.cos, 0, -a.sin, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(a.sin, 0, a.cos, 0),
+                    glm::dvec4(0, 0, 0, 1));
 }
 
 glm::dmat4 turned_x(double degrees) {
   const SinCos a = sin_cos(degrees * (kPi / 180));
-  return glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, a.cos, a.sin, 0), glm::dvec4(0, -a.sin, a.cos, 0), glm::dvec4(0, 0, 0, 1));
+  return glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, a.cos, a.sin, 0), glm::dvec4(0, -a.sin, a.cos, 0),
+                    glm::dvec4(0, 0, 0, 1));
 }
 
 glm::dmat4 turned_z(double degrees) {
   const SinCos a = sin_cos(degrees * (kPi / 180));
-  return glm::dmat4(glm::dvec4(a.cos, a.sin, 0, 0), glm::dvec4(-a.sin, a.cos, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(0, 0, 0, 1));
+  return glm::dmat4(glm::dvec4(a.cos, a.sin, 0, 0), glm::dvec4(-a.sin, a.cos, 0, 0), glm::dvec4(0, 0, 1, 0),
+                    glm::dvec4(0, 0, 0, 1));
 }
 
 glm::dmat4 scaled(const glm::dvec3& factors) {

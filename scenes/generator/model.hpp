@@ -27,7 +27,8 @@ struct Surface {
   void append(const Surface& other, const glm::dmat4& placement = glm::dmat4(1));
   void tint(const glm::dvec4& color);  // multiplies, starting from white
 
-  /// Along +u; w such that the bitangent runs along -v, "up" in the image, which is what glTF's normal maps mean by +y.
+  /// Along +u; w such that the bitangent runs along -v, "up" in the image, which is what glTF's normal maps
+  /// mean by +y.
   void add_tangents();
 };
 
@@ -41,19 +42,24 @@ class Model {
   /// Accessors of a surface, to be shared by meshes of different materials.
   ordered_json add_surface(const Surface& surface);
   int add_mesh(const std::string& name, const ordered_json& primitive, int material);
-  int add_mesh(const std::string& name, const Surface& surface, int material) { return add_mesh(name, add_surface(surface), material); }
+  int add_mesh(const std::string& name, const Surface& surface, int material) {
+    return add_mesh(name, add_surface(surface), material);
+  }
 
   void place(const std::string& name, int mesh, const glm::dmat4& placement = glm::dmat4(1));
-  void add_camera(const std::string& name, const glm::dvec3& eye, const glm::dvec3& target, double fovy_degrees, double near_plane);
-  /// kind "directional" (intensity in lux) or "point" (candela); a directional light shines from `from` towards `to`.
-  void add_light(const std::string& name, const std::string& kind, const glm::dvec3& color, double intensity, const glm::dvec3& from,
-                 const glm::dvec3& to = glm::dvec3(0), double range = 0);
+  void add_camera(const std::string& name, const glm::dvec3& eye, const glm::dvec3& target,
+                  double fovy_degrees, double near_plane);
+  /// kind "directional" (intensity in lux) or "point" (candela); a directional light shines from `from`
+  /// towards `to`.
+  void add_light(const std::string& name, const std::string& kind, const glm::dvec3& color, double intensity,
+                 const glm::dvec3& from, const glm::dvec3& to = glm::dvec3(0), double range = 0);
 
   void write(const std::filesystem::path& folder) const;
 
  private:
   int add_view(const void* bytes, std::size_t size, int target);
   int append(const char* array, ordered_json value);
+  void add_root(const ordered_json& node);
   void use_extension(const std::string& name);
 
   std::string name_;
@@ -63,8 +69,9 @@ class Model {
 };
 
 /// base color, metallic, roughness; textures by index, -1 = none.
-ordered_json pbr_material(const std::string& name, const glm::dvec4& base_color, double metallic, double roughness, int base_color_texture = -1,
-                          int normal_texture = -1, int metallic_roughness_texture = -1);
+ordered_json pbr_material(const std::string& name, const glm::dvec4& base_color, double metallic,
+                          double roughness, int base_color_texture = -1, int normal_texture = -1,
+                          int metallic_roughness_texture = -1);
 
 glm::dmat4 moved(const glm::dvec3& offset);
 glm::dmat4 turned_y(double degrees);

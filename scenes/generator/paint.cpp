@@ -8,7 +8,8 @@ namespace {
 
 /// Hash of a lattice point to [0, 1]: 32-bit integer mixing, exact everywhere.
 double lattice(int x, int y, std::uint32_t seed) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x85EBCA6Bu ^ static_cast<std::uint32_t>(y) * 0xC2B2AE35u ^ seed * 0x27D4EB2Fu;
+  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x85EBCA6Bu ^
+                    static_cast<std::uint32_t>(y) * 0xC2B2AE35u ^ seed * 0x27D4EB2Fu;
   h ^= h >> 15;
   h *= 0x2C1B3C6Du;
   h ^= h >> 12;
@@ -19,7 +20,9 @@ double lattice(int x, int y, std::uint32_t seed) {
 
 int wrapped(int i, int period) { return ((i % period) + period) % period; }
 
-std::uint8_t code(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255)); }
+std::uint8_t code(double value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
+}
 
 }  // namespace
 
@@ -80,11 +83,13 @@ host::Image8 paint_rgb(int width, int height, const std::function<glm::dvec3(dou
   return image;
 }
 
-host::Image8 paint_normals(int width, int height, double strength, const std::function<double(double, double)>& height_at) {
+host::Image8 paint_normals(int width, int height, double strength,
+                           const std::function<double(double, double)>& height_at) {
   const double du = 1.0 / width, dv = 1.0 / height;
   return paint_rgb(width, height, [&](double u, double v) {
     const double slope_x = (height_at(u + du, v) - height_at(u - du, v)) / (2 * du);
-    const double slope_y = (height_at(u, v - dv) - height_at(u, v + dv)) / (2 * dv);  // up is towards smaller v
+    const double slope_y =
+        (height_at(u, v - dv) - height_at(u, v + dv)) / (2 * dv);  // up is towards smaller v
     const glm::dvec3 n(-strength * slope_x, -strength * slope_y, 1);
     return n / std::sqrt(glm::dot(n, n)) * 0.5 + 0.5;
   });

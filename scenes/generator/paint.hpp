@@ -1,5 +1,5 @@
-// Procedural textures, tiling in both directions: 8-bit images as they are stored (sRGB for colours). Integer hashing and
-// IEEE arithmetic only, so the texels are the same everywhere.
+// Procedural textures, tiling in both directions: 8-bit images as they are stored (sRGB for colours). Integer
+// hashing and IEEE arithmetic only, so the texels are the same everywhere.
 #pragma once
 
 #include "platform/host/image_file.hpp"
@@ -14,7 +14,7 @@ namespace aluminate::scenes::generator {
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 1) {}
-  double unit();                                   // [0, 1)
+  double unit();  // [0, 1)
   double between(double low, double high) { return low + (high - low) * unit(); }
 
  private:
@@ -33,7 +33,9 @@ double smooth_step(double low, double high, double x);
 host::Image8 paint_rgb(int width, int height, const std::function<glm::dvec3(double, double)>& shade);
 host::Image8 paint_rgba(int width, int height, const std::function<glm::dvec4(double, double)>& shade);
 
-/// Tangent-space normals (x right, y up) of a tiling height field in texels' units of uv; `strength` multiplies the slope.
-host::Image8 paint_normals(int width, int height, double strength, const std::function<double(double, double)>& height_at);
+/// Tangent-space normals (x right, y up) of a tiling height field in texels' units of uv; `strength`
+/// multiplies the slope.
+host::Image8 paint_normals(int width, int height, double strength,
+                           const std::function<double(double, double)>& height_at);
 
 }  // namespace aluminate::scenes::generator

@@ -14,9 +14,11 @@ glm::dvec3 unit_or_up(const glm::dvec3& v) {
   return length > 1e-12 ? v / length : glm::dvec3(0, 1, 0);
 }
 
-void add_quad(Surface& surface, const std::array<glm::dvec3, 4>& corners, const glm::dvec3& normal, const glm::dvec2& uv_size) {
+void add_quad(Surface& surface, const std::array<glm::dvec3, 4>& corners, const glm::dvec3& normal,
+              const glm::dvec2& uv_size) {
   const auto base = static_cast<std::uint32_t>(surface.positions.size());
-  constexpr std::array<glm::dvec2, 4> kUnit{glm::dvec2(0, 1), glm::dvec2(1, 1), glm::dvec2(1, 0), glm::dvec2(0, 0)};
+  constexpr std::array<glm::dvec2, 4> kUnit{glm::dvec2(0, 1), glm::dvec2(1, 1), glm::dvec2(1, 0),
+                                            glm::dvec2(0, 0)};
   for (std::size_t i = 0; i < 4; ++i) {
     surface.positions.push_back(corners[i]);
     surface.normals.push_back(normal);
@@ -27,7 +29,8 @@ void add_quad(Surface& surface, const std::array<glm::dvec3, 4>& corners, const 
 
 }  // namespace
 
-Surface patch(int nu, int nv, const std::function<glm::dvec3(double, double)>& position, const glm::dvec2& uv_size, bool wraps_u) {
+Surface patch(int nu, int nv, const std::function<glm::dvec3(double, double)>& position,
+              const glm::dvec2& uv_size, bool wraps_u) {
   Surface surface;
   const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (nu + 1) + i); };
   for (int j = 0; j <= nv; ++j) {
@@ -39,7 +42,8 @@ Surface patch(int nu, int nv, const std::function<glm::dvec3(double, double)>& p
   }
   surface.normals.assign(surface.positions.size(), glm::dvec3(0));
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    const glm::dvec3 face = glm::cross(surface.positions[b] - surface.positions[a], surface.positions[c] - surface.positions[a]);
+    const glm::dvec3 face =
+        glm::cross(surface.positions[b] - surface.positions[a], surface.positions[c] - surface.positions[a]);
     if (glm::dot(face, face) < 1e-20) return;  // a pole
     for (const std::uint32_t k : {a, b, c}) {
       surface.normals[k] += face;
@@ -68,7 +72,8 @@ Surface sphere(double radius, int slices, int stacks, const glm::dvec2& uv_size)
     const SinCos east = sin_cos(2 * kPi * u), south = sin_cos(kPi * v);
     return glm::dvec3(south.sin * east.sin, south.cos, south.sin * east.cos);
   };
-  Surface surface = patch(slices, stacks, [&](double u, double v) { return radius * direction(u, 1 - v); }, uv_size, true);
+  Surface surface = patch(
+      slices, stacks, [&](double u, double v) { return radius * direction(u, 1 - v); }, uv_size, true);
   for (std::size_t i = 0; i < surface.positions.size(); ++i) {
     surface.normals[i] = unit_or_up(surface.positions[i]);
     surface.uv[i].y = uv_size.y - surface.uv[i].y;
@@ -90,14 +95,17 @@ Surface box(const glm::dvec3& half, double uv_per_metre) {
       across[a] = half[a];
       if (glm::dot(glm::cross(across, along), normal) < 0) across = -across;
       const glm::dvec3 centre = normal * half[axis];
-      add_quad(surface, {centre - across - along, centre + across - along, centre + across + along, centre - across + along}, normal,
-               glm::dvec2(2 * half[a], 2 * half[b]) * uv_per_metre);
+      add_quad(surface,
+               {centre - across - along, centre + across - along, centre + across + along,
+                centre - across + along},
+               normal, glm::dvec2(2 * half[a], 2 * half[b]) * uv_per_metre);
     }
   }
   return surface;
 }
 
-Surface tapered_cylinder(double bottom_radius, double top_radius, double height, int sides, int rings, const glm::dvec2& uv_size, bool capped) {
+Surface tapered_cylinder(double bottom_radius, double top_radius, double height, int sides, int rings,
+                         const glm::dvec2& uv_size, bool capped) {
   Surface surface = patch(
       sides, rings,
       [&](double u, double v) {
@@ -116,7 +124,8 @@ Surface tapered_cylinder(double bottom_radius, double top_radius, double height,
     surface.uv.push_back(glm::dvec2(a.sin, a.cos) * (i < sides ? 0.5 : 0.0) + 0.5);
   }
   for (int i = 0; i < sides; ++i)
-    for (const int k : {i, (i + 1) % sides, sides}) surface.indices.push_back(base + static_cast<std::uint32_t>(k));
+    for (const int k : {i, (i + 1) % sides, sides})
+      surface.indices.push_back(base + static_cast<std::uint32_t>(k));
   return surface;
 }
 
@@ -135,7 +144,8 @@ Surface lathe(const std::vector<glm::dvec2>& profile, int sides, const glm::dvec
 Surface card(double width, double height, const glm::dvec2& uv_size) {
   Surface surface;
   const double x = width / 2, y = height / 2;
-  add_quad(surface, {glm::dvec3(-x, -y, 0), glm::dvec3(x, -y, 0), glm::dvec3(x, y, 0), glm::dvec3(-x, y, 0)}, glm::dvec3(0, 0, 1), uv_size);
+  add_quad(surface, {glm::dvec3(-x, -y, 0), glm::dvec3(x, -y, 0), glm::dvec3(x, y, 0), glm::dvec3(-x, y, 0)},
+           glm::dvec3(0, 0, 1), uv_size);
   return surface;
 }
 

@@ -1,4 +1,5 @@
-// Surfaces with normals and uv: the building blocks of the sample scenes. All are counter-clockwise from outside.
+// Surfaces with normals and uv: the building blocks of the sample scenes. All are counter-clockwise from
+// outside.
 #pragma once
 
 #include "scenes/generator/model.hpp"
@@ -7,9 +8,10 @@
 
 namespace aluminate::scenes::generator {
 
-/// (nu x nv) quads over position(u, v), u and v in [0, 1]; outside is cross(d/du, d/dv). uv = (u, v) * uv_size.
-/// Normals are summed over the faces around a vertex, across the seam too when `wraps_u`.
-Surface patch(int nu, int nv, const std::function<glm::dvec3(double, double)>& position, const glm::dvec2& uv_size, bool wraps_u = false);
+/// (nu x nv) quads over position(u, v), u and v in [0, 1]; outside is cross(d/du, d/dv). uv = (u, v) *
+/// uv_size. Normals are summed over the faces around a vertex, across the seam too when `wraps_u`.
+Surface patch(int nu, int nv, const std::function<glm::dvec3(double, double)>& position,
+              const glm::dvec2& uv_size, bool wraps_u = false);
 
 /// Unit direction normals; no degenerate triangles at the poles.
 Surface sphere(double radius, int slices, int stacks, const glm::dvec2& uv_size);
@@ -18,7 +20,8 @@ Surface sphere(double radius, int slices, int stacks, const glm::dvec2& uv_size)
 Surface box(const glm::dvec3& half, double uv_per_metre);
 
 /// Upright, from y = 0 to height, closed at the top when top_radius > 0 and `capped`.
-Surface tapered_cylinder(double bottom_radius, double top_radius, double height, int sides, int rings, const glm::dvec2& uv_size, bool capped);
+Surface tapered_cylinder(double bottom_radius, double top_radius, double height, int sides, int rings,
+                         const glm::dvec2& uv_size, bool capped);
 
 /// Body of revolution about y through the profile points (radius, y), bottom to top.
 Surface lathe(const std::vector<glm::dvec2>& profile, int sides, const glm::dvec2& uv_size);
