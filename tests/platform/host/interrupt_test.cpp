@@ -38,14 +38,19 @@ class Interrupt : public testing::Test {
 };
 
 /// Runs `work` in a child, sends it `signals` one by one as soon as it says it is ready (a byte on the pipe for each),
-/// and returns the exit status, or 1000 + the signal that killed it.
-int run_and_signal(const std::function<void(std::function<void()> ready)>& work, const std::vector<int>& signals) {
+/// and returns the exit status, or 1000 + the signal that killed it. ignored: a signal that keeps its disposition.
+int run_and_signal(const std::function<void(std::function<void()> ready)>& work, const std::vector<int>& signals,
+                   int ignored = 0) {
   int channel[2];
   if (::pipe(channel) != 0) return -1;
   const pid_t child = ::fork();
   if (child == 0) {
     ::close(channel[0]);
     ::alarm(30);  // a child that ignores its signals must not outlive the test
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+      // A shell starts background jobs with SIGINT ignored, and that would be inherited down to here.
+      if (signal != ignored) ::signal(signal, SIG_DFL);
+    }
     install_interrupt_handlers();
     int code = 0;
     try {
@@ -146,7 +151,7 @@ TEST_F(Interrupt, AnIgnoredSignalStaysIgnored) {
           ::usleep(500);
         }
       },
-      {SIGHUP});
+      {SIGHUP}, SIGHUP);
   ::signal(SIGHUP, SIG_DFL);
   EXPECT_EQ(code, 0);
 }

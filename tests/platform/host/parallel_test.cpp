@@ -87,16 +87,40 @@ TEST_P(Parallel, TheLowestFailingIndexIsReported) {
   }
 }
 
-TEST_P(Parallel, NestedRunsOnTheSameWorker) {
-  std::atomic<int> inner_items{0}, moved{0};
-  parallel_for_workers(50, [&](std::int64_t, int outer) {
-    parallel_for_workers(20, [&, outer](std::int64_t, int inner) {
-      ++inner_items;
-      if (inner != outer) ++moved;
+TEST_P(Parallel, ALaterFailureOfAHigherIndexDoesNotReplaceIt) {
+  if (GetParam() == 1) GTEST_SKIP() << "one thread never runs two items at once";
+  std::atomic<bool> high_is_in{false}, low_is_out{false};
+  try {
+    parallel_for(2, [&](std::int64_t index) {
+      if (index == 1) {
+        high_is_in = true;
+        while (!low_is_out) std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the throw below is long recorded
+      } else {
+        while (!high_is_in) std::this_thread::yield();
+        low_is_out = true;
+      }
+      throw UserError("item " + std::to_string(index));
     });
-  });
-  EXPECT_EQ(inner_items, 1000);
-  EXPECT_EQ(moved, 0);
+    FAIL() << "no error";
+  } catch (const UserError& error) {
+    EXPECT_STREQ(error.what(), "item 0");
+  }
+}
+
+TEST_P(Parallel, NestedRunsOnTheSameWorker) {
+  for (const std::int64_t outer_items : {1, 50}) {  // with 1 the other threads have nothing to do but steal
+    std::atomic<int> inner_items{0}, moved{0};
+    parallel_for_workers(outer_items, [&](std::int64_t, int outer) {
+      parallel_for_workers(20, [&, outer](std::int64_t, int inner) {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+        ++inner_items;
+        if (inner != outer) ++moved;
+      });
+    });
+    EXPECT_EQ(inner_items, 20 * outer_items);
+    EXPECT_EQ(moved, 0);
+  }
 }
 
 TEST_P(Parallel, TwoCallersAtOnce) {
@@ -109,6 +133,7 @@ TEST_P(Parallel, TwoCallersAtOnce) {
 }
 
 TEST_P(Parallel, StopsAtAnInterrupt) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);  // a parent may have ignored them
   install_interrupt_handlers();
   std::atomic<int> late{0};
   EXPECT_THROW(parallel_for(100000,
