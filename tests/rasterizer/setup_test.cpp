@@ -68,8 +68,8 @@ TEST(SetUp, VectorProjectionIsTheScalarOneBitForBit) {
   std::vector<double> p[4];
   for (int i = 0; i < 5000; ++i) {
     // Groups wholly inside, groups wholly outside, and mixed ones; values whose quotients tie on a sub.
-    const bool inside = i / 64 % 3 != 0;
-    const double w = inside ? 0.5 + random() * 0x1p-31 : random() * 0x1p-31 - 1, range = inside ? w : 3;
+    const bool inside = i / 64 % 3 != 0, beside = i / 64 % 3 == 1;  // beside: beyond the sides, within the guard band
+    const double w = inside ? 0.5 + random() * 0x1p-31 : random() * 0x1p-31 - 1, range = beside ? 3 * w : inside ? w : 3;
     for (int k = 0; k < 2; ++k) p[k].push_back(range * (random() * 0x1p-31 - 1));
     p[2].push_back(inside ? w * (random() * 0x1p-32) : random() * 0x1p-31 - 0.5);
     p[3].push_back(w);
