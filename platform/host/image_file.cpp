@@ -43,7 +43,7 @@ const image_module::Interface* load_module() {
   for (const fs::path& place : module_places()) {
     std::error_code error;
     if (!fs::exists(place, error)) continue;
-    void* library = ::dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* library = ::dlopen(place.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (library == nullptr) {
       reasons += fmt::format("{}{}", reasons.empty() ? ": " : "; ", ::dlerror());
       continue;
@@ -215,6 +215,19 @@ std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& m
   const bool good = module().encode_png(image.width, image.height, image.channels, image.texels.data(), pairs.data(),
                                         pairs.size(), append_bytes, &bytes, &failure);
   ALU_CHECK(good, "PNG encoder: {}", failure.text);
+  return bytes;
+}
+
+std::vector<std::uint8_t> encode_rgb16(Codes16As format, int width, int height, std::span<const std::uint16_t> codes, bool is_srgb,
+                                       const ImageMetadata& metadata) {
+  ALU_CHECK(width > 0 && height > 0 && codes.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+            "{} x {}, {} codes", width, height, codes.size());
+  const std::vector<image_module::Pair> pairs = pairs_of(metadata);
+  std::vector<std::uint8_t> bytes;
+  Failure failure{};
+  const bool good = module().encode_rgb16(format == Codes16As::Png ? "png" : "tiff", width, height, codes.data(), is_srgb, pairs.data(),
+                                          pairs.size(), append_bytes, &bytes, &failure);
+  ALU_CHECK(good, "encoder: {}", failure.text);
   return bytes;
 }
 

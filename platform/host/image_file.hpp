@@ -56,6 +56,11 @@ using ImageMetadata = std::vector<std::pair<std::string, std::string>>;
 /// PNG, 3 or 4 channels of 8 bits, marked sRGB.
 std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata = {});
 
+/// width*height*3 codes of 16 bits, interleaved.
+enum class Codes16As { Png, Tiff };
+std::vector<std::uint8_t> encode_rgb16(Codes16As format, int width, int height, std::span<const std::uint16_t> codes, bool is_srgb,
+                                       const ImageMetadata& metadata = {});
+
 /// One EXR channel: width*height values, row-major. Names are file-level: "R", "cost.alu_words", "depth.Z".
 struct ExrLayer {
   std::string name;
