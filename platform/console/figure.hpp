@@ -1,5 +1,5 @@
-// One hardware number with where it comes from. Platform files hold nothing else: a figure without a source or a
-// confidence is refused on loading, so every verdict can say what it rests on.
+// One hardware number with where it comes from. Platform files hold nothing else: a figure without a source
+// or a confidence is refused on loading, so every verdict can say what it rests on.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,9 @@ constexpr std::string_view confidence_word(Confidence confidence) {
   return confidence == Confidence::Doc ? "doc" : confidence == Confidence::Inferred ? "inferred" : "guess";
 }
 
-/// A non-negative number. low <= value <= high is the range a verdict is tested against; low == high == value for
-/// documented figures and wherever the file gives no range. unit and meaning live in the schema (platform_file.hpp).
+/// A non-negative number. low <= value <= high is the range a verdict is tested against; low == high == value
+/// for documented figures and wherever the file gives no range. unit and meaning live in the schema
+/// (platform_file.hpp).
 struct Figure {
   double value = 0.0;
   double low = 0.0, high = 0.0;

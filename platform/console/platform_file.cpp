@@ -13,19 +13,26 @@
 namespace aluminate::console {
 namespace {
 
-constexpr AluModel kAluModels[] = {AluModel::Vec4PlusScalar, AluModel::DualSu, AluModel::Vliw5, AluModel::ScalarLane,
-                                   AluModel::MaliWord};
+constexpr AluModel kAluModels[] = {AluModel::Vec4PlusScalar, AluModel::DualSu, AluModel::Vliw5,
+                                   AluModel::ScalarLane, AluModel::MaliWord};
 
 /// "an integer", "a string", ...: what a node is, for messages.
 std::string_view kind_of(const toml::node& node) {
   switch (node.type()) {
-    case toml::node_type::table: return "a table";
-    case toml::node_type::array: return "an array";
-    case toml::node_type::string: return "a string";
-    case toml::node_type::integer: return "an integer";
-    case toml::node_type::floating_point: return "a number";
-    case toml::node_type::boolean: return "a boolean";
-    default: return "a date or time";
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "a boolean";
+    default:
+      return "a date or time";
   }
 }
 
@@ -36,8 +43,9 @@ class PlatformReader {
     try {
       root_ = toml::parse(text, path_);
     } catch (const toml::parse_error& error) {
-      throw UserError(place(error.source()), std::string("not valid TOML: ") + std::string(error.description()),
-                      "each figure looks like: core_mhz = { value = 500, source = \"KEY\", confidence = \"doc\" }");
+      throw UserError(
+          place(error.source()), std::string("not valid TOML: ") + std::string(error.description()),
+          "each figure looks like: core_mhz = { value = 500, source = \"KEY\", confidence = \"doc\" }");
     }
   }
 
@@ -51,7 +59,9 @@ class PlatformReader {
     for (const FigureField& field : figure_fields()) {
       const toml::node* table = root_.get(field.table);
       if (table == nullptr && field.optional_table) continue;
-      if (table == nullptr) throw UserError(place(root_.source()), fmt::format("table [{}] is missing", field.table), shape_hint(field));
+      if (table == nullptr)
+        throw UserError(place(root_.source()), fmt::format("table [{}] is missing", field.table),
+                        shape_hint(field));
       read_figure(*table->as_table(), field);
     }
     return std::move(model_);
@@ -63,11 +73,12 @@ class PlatformReader {
   }
 
   static std::string shape_hint(const FigureField& field) {
-    return fmt::format("[{}] {} = {{ value = N, source = \"KEY\", confidence = \"doc\" }}   # {}, {}", field.table, field.key,
-                       field.unit, field.meaning);
+    return fmt::format("[{}] {} = {{ value = N, source = \"KEY\", confidence = \"doc\" }}   # {}, {}",
+                       field.table, field.key, field.unit, field.meaning);
   }
 
-  void refuse_unknown(const toml::table& table, const std::vector<std::string>& known, const std::string& where) const {
+  void refuse_unknown(const toml::table& table, const std::vector<std::string>& known,
+                      const std::string& where) const {
     for (const auto& [key, node] : table) {
       bool found = false;
       for (const std::string& name : known) found = found || name == key.str();
@@ -91,7 +102,8 @@ class PlatformReader {
       }
       if (known.empty()) continue;
       if (!node.is_table()) {
-        throw UserError(place(node.source()), fmt::format("[{}] must be a table, found {}", key.str(), kind_of(node)));
+        throw UserError(place(node.source()),
+                        fmt::format("[{}] must be a table, found {}", key.str(), kind_of(node)));
       }
       refuse_unknown(*node.as_table(), known, fmt::format("[{}]", key.str()));
     }
@@ -106,7 +118,8 @@ class PlatformReader {
   std::string read_text(const toml::table& table, std::string_view key) const {
     const toml::node& node = need(table, key, fmt::format("add {} = \"...\"", key));
     if (!node.is_string()) {
-      throw UserError(place(node.source()), fmt::format("'{}' must be a string, found {}", key, kind_of(node)));
+      throw UserError(place(node.source()),
+                      fmt::format("'{}' must be a string, found {}", key, kind_of(node)));
     }
     std::string text = **node.as_string();
     if (text.find_first_not_of(" \t\n") == std::string::npos) {
@@ -117,7 +130,9 @@ class PlatformReader {
 
   int read_year() const {
     const toml::node& node = need(root_, "year", "add the year it shipped, for example year = 2005");
-    if (!node.is_integer()) throw UserError(place(node.source()), fmt::format("'year' must be an integer, found {}", kind_of(node)));
+    if (!node.is_integer())
+      throw UserError(place(node.source()),
+                      fmt::format("'year' must be an integer, found {}", kind_of(node)));
     const std::int64_t year = **node.as_integer();
     if (year < 1970 || year > 2100) {
       throw UserError(place(node.source()), fmt::format("year {} is outside 1970..2100", year));
@@ -140,19 +155,27 @@ class PlatformReader {
   double read_number(const toml::table& entry, std::string_view key, const FigureField& field) const {
     const toml::node& node = need(entry, key, shape_hint(field));
     if (!node.is_number()) {
-      throw UserError(place(node.source()),
-                      fmt::format("{} of {}.{} must be a number, found {}", key, field.table, field.key, kind_of(node)),
-                      fmt::format("unit: {}", field.unit));
+      throw UserError(
+          place(node.source()),
+          fmt::format("{} of {}.{} must be a number, found {}", key, field.table, field.key, kind_of(node)),
+          fmt::format("unit: {}", field.unit));
     }
     const double number = *node.value<double>();
-    const std::string limits = fmt::format("allowed: {} to {} {}", field.low_limit, field.high_limit, field.unit);
-    if (!std::isfinite(number)) throw UserError(place(node.source()), fmt::format("{}.{} must be finite", field.table, field.key), limits);
-    if (number < 0) throw UserError(place(node.source()), fmt::format("{}.{} is negative: {}", field.table, field.key, number), limits);
+    const std::string limits =
+        fmt::format("allowed: {} to {} {}", field.low_limit, field.high_limit, field.unit);
+    if (!std::isfinite(number))
+      throw UserError(place(node.source()), fmt::format("{}.{} must be finite", field.table, field.key),
+                      limits);
+    if (number < 0)
+      throw UserError(place(node.source()),
+                      fmt::format("{}.{} is negative: {}", field.table, field.key, number), limits);
     if (number < field.low_limit || number > field.high_limit) {
-      throw UserError(place(node.source()), fmt::format("{}.{} = {} is out of limits", field.table, field.key, number), limits);
+      throw UserError(place(node.source()),
+                      fmt::format("{}.{} = {} is out of limits", field.table, field.key, number), limits);
     }
     if (field.whole && number != std::floor(number)) {
-      throw UserError(place(node.source()), fmt::format("{}.{} must be whole, found {}", field.table, field.key, number), limits);
+      throw UserError(place(node.source()),
+                      fmt::format("{}.{} must be whole, found {}", field.table, field.key, number), limits);
     }
     return number;
   }
@@ -170,7 +193,8 @@ class PlatformReader {
     const toml::node& node = need(table, field.key, shape_hint(field));
     if (!node.is_table()) {
       throw UserError(place(node.source()),
-                      fmt::format("{}.{} must carry its source and confidence, found {} alone", field.table, field.key, kind_of(node)),
+                      fmt::format("{}.{} must carry its source and confidence, found {} alone", field.table,
+                                  field.key, kind_of(node)),
                       shape_hint(field));
     }
     const toml::table& entry = *node.as_table();
@@ -192,7 +216,8 @@ class PlatformReader {
     figure.high = read_number(entry, "high", field);
     if (figure.low > figure.value || figure.value > figure.high) {
       throw UserError(place(entry.get("low")->source()),
-                      fmt::format("{} needs low <= value <= high, found {} <= {} <= {}", where, figure.low, figure.value, figure.high));
+                      fmt::format("{} needs low <= value <= high, found {} <= {} <= {}", where, figure.low,
+                                  figure.value, figure.high));
     }
   }
 
@@ -203,17 +228,21 @@ class PlatformReader {
 
 }  // namespace
 
-GpuModel parse_platform(std::string_view toml_text, const std::string& path) { return PlatformReader(toml_text, path).read(); }
+GpuModel parse_platform(std::string_view toml_text, const std::string& path) {
+  return PlatformReader(toml_text, path).read();
+}
 
 GpuModel load_platform(const std::string& name_or_path) {
   std::vector<std::string> names;
   for (const PlatformEntry& entry : builtin_platforms()) {
-    if (entry.id == name_or_path) return parse_platform(entry.text, std::string(entry.id) + ".toml (built in)");
+    if (entry.id == name_or_path)
+      return parse_platform(entry.text, std::string(entry.id) + ".toml (built in)");
     names.emplace_back(entry.id);
   }
   const bool looks_like_path = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml");
   if (!looks_like_path) {
-    throw UserError(fmt::format("unknown platform '{}'", name_or_path), host::did_you_mean(name_or_path, names));
+    throw UserError(fmt::format("unknown platform '{}'", name_or_path),
+                    host::did_you_mean(name_or_path, names));
   }
   std::ifstream file(name_or_path, std::ios::binary);
   std::stringstream text;
@@ -223,16 +252,19 @@ GpuModel load_platform(const std::string& name_or_path) {
 }
 
 std::string format_platform(const GpuModel& model) {
-  host::TextTable table({{"figure"}, {"value", host::Align::Right}, {"unit"}, {"range"}, {"confidence"}, {"source"}});
+  host::TextTable table(
+      {{"figure"}, {"value", host::Align::Right}, {"unit"}, {"range"}, {"confidence"}, {"source"}});
   GpuModel copy = model;  // the schema hands out mutable references
   for (const FigureField& field : figure_fields()) {
     const Figure& figure = field.of(copy);
     if (!figure.present) continue;
-    table.add_row({fmt::format("{}.{}", field.table, field.key), fmt::format("{}", figure.value), std::string(field.unit),
+    table.add_row({fmt::format("{}.{}", field.table, field.key), fmt::format("{}", figure.value),
+                   std::string(field.unit),
                    figure.has_range() ? fmt::format("{} .. {}", figure.low, figure.high) : "-",
                    std::string(confidence_word(figure.confidence)), figure.source});
   }
-  std::string head = fmt::format("{}: {} ({}), {} ALUs\n", model.id, model.name, model.year, alu_model_word(model.alu_model));
+  std::string head = fmt::format("{}: {} ({}), {} ALUs\n", model.id, model.name, model.year,
+                                 alu_model_word(model.alu_model));
   std::string line;
   std::istringstream words(model.notes);
   for (std::string word; words >> word;) {

@@ -23,7 +23,8 @@ PathSum most(const PathSum& a, const PathSum& b) {
 
 class PathWalker {
  public:
-  PathWalker(const vm::Program& program, const std::vector<vm::Block>& blocks, const std::vector<PathSum>& of_block)
+  PathWalker(const vm::Program& program, const std::vector<vm::Block>& blocks,
+             const std::vector<PathSum>& of_block)
       : program_(program), blocks_(blocks), of_block_(of_block) {}
 
   PathBounds run() {
@@ -36,9 +37,9 @@ class PathWalker {
  private:
   struct Range {
     PathSum shortest{}, longest{};
-    bool leaves = false;      // a Break or Continue may end the body early
-    PathSum until_leaving{};  // least up to the first of them
-    Opcode end = Opcode::Mov; // the Flow instruction that closed the sequence
+    bool leaves = false;       // a Break or Continue may end the body early
+    PathSum until_leaving{};   // least up to the first of them
+    Opcode end = Opcode::Mov;  // the Flow instruction that closed the sequence
   };
 
   /// Blocks up to and including the one that ends with Else, EndIf or EndLoop, or the end of the program.
@@ -110,7 +111,8 @@ class PathWalker {
 
 }  // namespace
 
-PathBounds bound_paths(const vm::Program& program, const std::vector<vm::Block>& blocks, const std::vector<PathSum>& of_block) {
+PathBounds bound_paths(const vm::Program& program, const std::vector<vm::Block>& blocks,
+                       const std::vector<PathSum>& of_block) {
   return PathWalker(program, blocks, of_block).run();
 }
 

@@ -1,5 +1,5 @@
-// The least and the most a program can run, from its structure alone: If takes the cheaper or the dearer side, a counted
-// loop its count, a loop of unknown length none or one. Quantities are bounded one by one.
+// The least and the most a program can run, from its structure alone: If takes the cheaper or the dearer
+// side, a counted loop its count, a loop of unknown length none or one. Quantities are bounded one by one.
 #pragma once
 
 #include "shading/vm/program.hpp"
@@ -19,7 +19,9 @@ struct PathBounds {
   bool known = true;          // no loop of unknown length
 };
 
-/// `of_block` is parallel to `blocks`; each Flow instruction that ends a block adds one to the third quantity.
-PathBounds bound_paths(const vm::Program& program, const std::vector<vm::Block>& blocks, const std::vector<PathSum>& of_block);
+/// `of_block` is parallel to `blocks`; each Flow instruction that ends a block adds one to the third
+/// quantity.
+PathBounds bound_paths(const vm::Program& program, const std::vector<vm::Block>& blocks,
+                       const std::vector<PathSum>& of_block);
 
 }  // namespace aluminate::cost

@@ -26,16 +26,17 @@ SlotChoice slots_of(const Graph& graph, const Node& node, PairingRule pairing) {
   choice.scalar = fits_scalar_half(graph, node);
   if (pairing == PairingRule::Loose && pipe == vm::Pipe::Either && node.width == 1) choice.scalar = true;
   choice.two_slots = !choice.scalar && node.width == 1 && node.special == Special::None &&
-                     (node.op == Opcode::Mul || node.op == Opcode::Add) && !node.src[0].refs[0].is_constant() &&
-                     !node.src[1].refs[0].is_constant();
-  choice.alone = node.special == Special::SetPredicate || (pairing == PairingRule::Strict && choice.vector && node.sources == 3);
+                     (node.op == Opcode::Mul || node.op == Opcode::Add) &&
+                     !node.src[0].refs[0].is_constant() && !node.src[1].refs[0].is_constant();
+  choice.alone = node.special == Special::SetPredicate ||
+                 (pairing == PairingRule::Strict && choice.vector && node.sources == 3);
   return choice;
 }
 
 enum class Order : std::uint8_t { Chain, Pairs, Late };
 
-/// How ready operations are ranked. shake 0 is the plain rule; others add 0 to 2 words to each operation's chain by a
-/// fixed hash, so that a schedule above its bound gets other chances without any chance at all.
+/// How ready operations are ranked. shake 0 is the plain rule; others add 0 to 2 words to each operation's
+/// chain by a fixed hash, so that a schedule above its bound gets other chances without any chance at all.
 struct Priority {
   Order order = Order::Chain;
   std::uint32_t shake = 0;
@@ -53,9 +54,13 @@ int shaken(std::uint32_t shake, int node) {
 /// Places the words of one region (between two levels of fetches) from the last to the first.
 class RegionScheduler {
  public:
-  RegionScheduler(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths, Priority priority,
-                  const std::vector<bool>& member)
-      : graph_(graph), slots_(slots), lengths_(lengths), priority_(priority), waiting_(graph.nodes.size(), 0),
+  RegionScheduler(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths,
+                  Priority priority, const std::vector<bool>& member)
+      : graph_(graph),
+        slots_(slots),
+        lengths_(lengths),
+        priority_(priority),
+        waiting_(graph.nodes.size(), 0),
         before_(graph.nodes.size()) {
     for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
       if (!member[n]) continue;
@@ -96,7 +101,9 @@ class RegionScheduler {
 
   const Node& node(int n) const { return graph_.nodes[static_cast<std::size_t>(n)]; }
   const SlotChoice& slots(int n) const { return slots_[static_cast<std::size_t>(n)]; }
-  int chain(int n) const { return n < 0 ? 0 : lengths_.depth[static_cast<std::size_t>(n)] + shaken(priority_.shake, n); }
+  int chain(int n) const {
+    return n < 0 ? 0 : lengths_.depth[static_cast<std::size_t>(n)] + shaken(priority_.shake, n);
+  }
 
   bool legal_pair(int vector, int scalar) const {
     if (vector < 0 || scalar < 0) return true;
@@ -122,9 +129,12 @@ class RegionScheduler {
     const int longest = std::max(chain(vector), chain(scalar)), both = chain(vector) + chain(scalar);
     const int late = vector + scalar;
     switch (priority_.order) {
-      case Order::Chain: return {longest, 2 * count - (two_slots ? 1 : 0), both + vector_only, late};
-      case Order::Pairs: return {2 * count - (two_slots ? 1 : 0), longest, both + vector_only, late};
-      case Order::Late: return {std::max(vector, scalar), 2 * count - (two_slots ? 1 : 0), vector_only, longest};
+      case Order::Chain:
+        return {longest, 2 * count - (two_slots ? 1 : 0), both + vector_only, late};
+      case Order::Pairs:
+        return {2 * count - (two_slots ? 1 : 0), longest, both + vector_only, late};
+      case Order::Late:
+        return {std::max(vector, scalar), 2 * count - (two_slots ? 1 : 0), vector_only, longest};
     }
     return {};
   }
@@ -167,7 +177,8 @@ class RegionScheduler {
     if (--waiting_[static_cast<std::size_t>(from)] == 0) ready_.push_back(from);
   }
 
-  /// The nodes of a word leave; what they read may come into earlier words. A carried operand is read one word earlier.
+  /// The nodes of a word leave; what they read may come into earlier words. A carried operand is read one
+  /// word earlier.
   void release(const Issue& word) {
     const int finished_move = carried_;
     carried_ = word.uses_previous ? word.scalar : -1;
@@ -182,7 +193,9 @@ class RegionScheduler {
       }
       if (node(n).after >= 0) unblock(node(n).after);
     }
-    if (finished_move >= 0) unblock_operand(node(finished_move).src[static_cast<std::size_t>(carried_operand(graph_, node(finished_move)))]);
+    if (finished_move >= 0)
+      unblock_operand(
+          node(finished_move).src[static_cast<std::size_t>(carried_operand(graph_, node(finished_move)))]);
     std::sort(ready_.begin(), ready_.end());
   }
 
@@ -206,8 +219,8 @@ class RegionScheduler {
   int carried_ = -1;
 };
 
-/// Fetches go as early as they can: a level holds those that wait for the same number of fetches. ALU words that a level
-/// needs stand in front of it, all others after the last fetch.
+/// Fetches go as early as they can: a level holds those that wait for the same number of fetches. ALU words
+/// that a level needs stand in front of it, all others after the last fetch.
 struct FetchLevels {
   std::vector<int> of_node;  // level whose region the node belongs to; `count` = after the last fetch
   int count = 0;
@@ -218,7 +231,8 @@ FetchLevels find_levels(const Graph& graph) {
   std::vector<int> earliest(size, 0);
   const auto after = [&](int from, std::size_t n) {  // least level of n, which comes after `from`
     const Node& source = graph.nodes[static_cast<std::size_t>(from)];
-    return earliest[static_cast<std::size_t>(from)] + (source.is_fetch() && source.special == Special::None ? 1 : 0) +
+    return earliest[static_cast<std::size_t>(from)] +
+           (source.is_fetch() && source.special == Special::None ? 1 : 0) +
            (source.special == Special::FetchSetup && !graph.nodes[n].is_fetch() ? 1 : 0);
   };
   for (bool changed = true; changed;) {  // blocks are small: relax until stable
@@ -230,18 +244,22 @@ FetchLevels find_levels(const Graph& graph) {
       }
     };
     for (std::size_t n = 0; n < size; ++n) {
-      if (!graph.nodes[n].removed) for_each_dependency(graph.nodes[n], [&](int from) { raise(n, after(from, n)); });
+      if (!graph.nodes[n].removed)
+        for_each_dependency(graph.nodes[n], [&](int from) { raise(n, after(from, n)); });
     }
-    for (const auto& [reader, writer] : graph.write_after_read) raise(static_cast<std::size_t>(writer), after(reader, static_cast<std::size_t>(writer)));
+    for (const auto& [reader, writer] : graph.write_after_read)
+      raise(static_cast<std::size_t>(writer), after(reader, static_cast<std::size_t>(writer)));
     for (const Node& node : graph.nodes) {  // a fetch and its set-up issue together
       if (!node.removed && node.is_fetch() && node.after >= 0) {
-        raise(static_cast<std::size_t>(node.after), earliest[static_cast<std::size_t>(&node - graph.nodes.data())]);
+        raise(static_cast<std::size_t>(node.after),
+              earliest[static_cast<std::size_t>(&node - graph.nodes.data())]);
       }
     }
   }
   FetchLevels levels;
   for (std::size_t n = 0; n < size; ++n) {
-    if (!graph.nodes[n].removed && graph.nodes[n].is_fetch()) levels.count = std::max(levels.count, earliest[n] + 1);
+    if (!graph.nodes[n].removed && graph.nodes[n].is_fetch())
+      levels.count = std::max(levels.count, earliest[n] + 1);
   }
   levels.of_node.assign(size, levels.count);
   for (std::size_t n = 0; n < size; ++n) {
@@ -256,17 +274,19 @@ FetchLevels find_levels(const Graph& graph) {
       }
     };
     for (std::size_t n = 0; n < size; ++n) {
-      if (!graph.nodes[n].removed) for_each_dependency(graph.nodes[n], [&](int from) { lower(from, levels.of_node[n]); });
+      if (!graph.nodes[n].removed)
+        for_each_dependency(graph.nodes[n], [&](int from) { lower(from, levels.of_node[n]); });
     }
-    for (const auto& [reader, writer] : graph.write_after_read) lower(reader, levels.of_node[static_cast<std::size_t>(writer)]);
+    for (const auto& [reader, writer] : graph.write_after_read)
+      lower(reader, levels.of_node[static_cast<std::size_t>(writer)]);
   }
   return levels;
 }
 
 int divide_up(int a, int b) { return (a + b - 1) / b; }
 
-BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths,
-                           const FetchLevels& levels, Priority priority) {
+BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& slots,
+                           const ChainLengths& lengths, const FetchLevels& levels, Priority priority) {
   BlockSchedule schedule;
   for (int level = 0; level <= levels.count; ++level) {
     std::vector<bool> member(graph.nodes.size(), false);
@@ -287,7 +307,9 @@ BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& sl
     std::vector<bool> issued(graph.nodes.size(), false);
     for (int fetch : fetches) {
       std::vector<int> chain;
-      for (int n = fetch; n >= 0 && !issued[static_cast<std::size_t>(n)]; n = graph.nodes[static_cast<std::size_t>(n)].after) chain.push_back(n);
+      for (int n = fetch; n >= 0 && !issued[static_cast<std::size_t>(n)];
+           n = graph.nodes[static_cast<std::size_t>(n)].after)
+        chain.push_back(n);
       if (graph.nodes[static_cast<std::size_t>(fetch)].special == Special::FetchSetup) continue;
       for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
         Issue issue;
@@ -297,12 +319,14 @@ BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& sl
         ++schedule.fetch_words;
       }
     }
-    if (level + 1 == levels.count || levels.count == 0) schedule.export_start = static_cast<int>(schedule.issues.size());
+    if (level + 1 == levels.count || levels.count == 0)
+      schedule.export_start = static_cast<int>(schedule.issues.size());
   }
   if (levels.count == 0) schedule.export_start = 0;
   const int total = static_cast<int>(schedule.issues.size());
   if (graph.has_export) {
-    schedule.clauses = divide_up(schedule.export_start, kClauseIssues) + divide_up(total - schedule.export_start, kClauseIssues);
+    schedule.clauses = divide_up(schedule.export_start, kClauseIssues) +
+                       divide_up(total - schedule.export_start, kClauseIssues);
   } else {
     schedule.export_start = -1;
     schedule.clauses = divide_up(total, kClauseIssues);
@@ -322,8 +346,8 @@ int carried_operand(const Graph& graph, const Node& node) {
 }
 
 int lower_bound_words(const Graph& graph, PairingRule pairing) {
-  // For every head and tail: operations with at least `head` words before them and `tail` words after them all issue in
-  // between, and need at least the words their halves need.
+  // For every head and tail: operations with at least `head` words before them and `tail` words after them
+  // all issue in between, and need at least the words their halves need.
   const ChainLengths lengths = chain_lengths(graph);
   struct Need {
     int head, tail;
@@ -380,7 +404,8 @@ BlockSchedule schedule_block(const Graph& graph, PairingRule pairing) {
   };
   for (Order order : {Order::Chain, Order::Pairs, Order::Late}) attempt({order, 0});
   constexpr std::uint32_t kShakes = 16;
-  for (std::uint32_t shake = 1; shake <= kShakes && best.words > bound; ++shake) attempt({shake % 2 == 0 ? Order::Pairs : Order::Chain, shake});
+  for (std::uint32_t shake = 1; shake <= kShakes && best.words > bound; ++shake)
+    attempt({shake % 2 == 0 ? Order::Pairs : Order::Chain, shake});
   best.bound_words = bound;
   return best;
 }

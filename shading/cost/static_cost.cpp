@@ -24,11 +24,16 @@ using vm::Opcode;
 
 const char* word_name_of(AluModel model) {
   switch (model) {
-    case AluModel::Vec4PlusScalar: return "vec4+scalar word";
-    case AluModel::DualSu: return "dual-SU pass";
-    case AluModel::Vliw5: return "VLIW5 bundle";
-    case AluModel::ScalarLane: return "component operation";
-    case AluModel::MaliWord: return "Utgard word";
+    case AluModel::Vec4PlusScalar:
+      return "vec4+scalar word";
+    case AluModel::DualSu:
+      return "dual-SU pass";
+    case AluModel::Vliw5:
+      return "VLIW5 bundle";
+    case AluModel::ScalarLane:
+      return "component operation";
+    case AluModel::MaliWord:
+      return "Utgard word";
   }
   return "word";
 }
@@ -37,8 +42,10 @@ const char* word_name_of(AluModel model) {
 using WordsByOrigin = std::vector<std::pair<vm::SourceLine, double>>;
 
 /// Slots, operations and fetches: the same on every platform.
-void count_instructions(const vm::Program& program, const vm::Block& block, const GpuModel& gpu, const Assumptions& assumptions, BlockCost& cost) {
-  const double filter = assumptions.filter == FilterAssumption::Trilinear ? gpu.texture.trilinear_cyc.value : 1.0;
+void count_instructions(const vm::Program& program, const vm::Block& block, const GpuModel& gpu,
+                        const Assumptions& assumptions, BlockCost& cost) {
+  const double filter =
+      assumptions.filter == FilterAssumption::Trilinear ? gpu.texture.trilinear_cyc.value : 1.0;
   for (std::uint32_t i = block.begin; i < block.end; ++i) {
     const vm::Instruction& instruction = program.code[i];
     cost.alu_slots += alu_slots(instruction);
@@ -54,12 +61,15 @@ void count_instructions(const vm::Program& program, const vm::Block& block, cons
 void count_graph(const Graph& graph, BlockCost& cost) {
   for (const Node& node : graph.nodes) {
     if (node.removed) continue;
-    // Gradients and set-up words occupy the fetch pipe for a bilinear cycle each; texture fetches are counted above.
-    if (node.is_fetch() && (node.special == Special::FetchSetup || !is_texture(node.op))) cost.fetch_cyc += 1.0;
+    // Gradients and set-up words occupy the fetch pipe for a bilinear cycle each; texture fetches are counted
+    // above.
+    if (node.is_fetch() && (node.special == Special::FetchSetup || !is_texture(node.op)))
+      cost.fetch_cyc += 1.0;
   }
 }
 
-void price_xenos(const vm::Program& program, const Assumptions& assumptions, StaticCost& cost, WordsByOrigin& words) {
+void price_xenos(const vm::Program& program, const Assumptions& assumptions, StaticCost& cost,
+                 WordsByOrigin& words) {
   const ScheduledProgram scheduled = schedule_program(program, assumptions.pairing);
   cost.gprs = scheduled.registers.gprs;
   for (std::size_t b = 0; b < scheduled.blocks.size(); ++b) {
@@ -73,15 +83,19 @@ void price_xenos(const vm::Program& program, const Assumptions& assumptions, Sta
       entry.vector_ops += issue.vector >= 0;
       entry.scalar_ops += (issue.scalar >= 0) + (issue.previous_move >= 0);
       if (issue.is_fetch()) continue;
-      const int first = issue.vector >= 0 ? issue.vector : issue.scalar >= 0 ? issue.scalar : issue.previous_move;
-      words.emplace_back(block.graph.nodes[static_cast<std::size_t>(first)].line, std::max(1u, entry.static_trips));
+      const int first = issue.vector >= 0   ? issue.vector
+                        : issue.scalar >= 0 ? issue.scalar
+                                            : issue.previous_move;
+      words.emplace_back(block.graph.nodes[static_cast<std::size_t>(first)].line,
+                         std::max(1u, entry.static_trips));
     }
     std::vector<ListingRow> rows = xenos_rows(program, static_cast<int>(b), block, scheduled.registers);
     cost.listing.insert(cost.listing.end(), rows.begin(), rows.end());
   }
 }
 
-void price_wide(const vm::Program& program, const std::vector<vm::Block>& blocks, const GpuModel& gpu, StaticCost& cost, WordsByOrigin& words) {
+void price_wide(const vm::Program& program, const std::vector<vm::Block>& blocks, const GpuModel& gpu,
+                StaticCost& cost, WordsByOrigin& words) {
   const std::vector<std::uint8_t> homes = components_across_blocks(program, blocks);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const Graph graph = lower_block(program, blocks[b], homes, Packing::Off);
@@ -96,7 +110,8 @@ void price_wide(const vm::Program& program, const std::vector<vm::Block>& blocks
       const Node& node = graph.nodes[static_cast<std::size_t>(placed.node)];
       const bool scalar = node.special == Special::None && vm::info(node.op).pipe == vm::Pipe::Scalar;
       if (!node.is_fetch()) ++(scalar ? entry.scalar_ops : entry.vector_ops);
-      const std::vector<ListingRow> rows = program_rows(program, static_cast<int>(b), graph, placed.node, placed.word, placed.unit);
+      const std::vector<ListingRow> rows =
+          program_rows(program, static_cast<int>(b), graph, placed.node, placed.word, placed.unit);
       cost.listing.insert(cost.listing.end(), rows.begin(), rows.end());
       if (placed.word != last_word) words.emplace_back(node.line, std::max(1u, entry.static_trips));
       last_word = placed.word;
@@ -104,7 +119,8 @@ void price_wide(const vm::Program& program, const std::vector<vm::Block>& blocks
   }
   const bool inputs_in_registers = gpu.alu_model == AluModel::Vliw5 || gpu.alu_model == AluModel::ScalarLane;
   cost.gprs = live_registers(program, inputs_in_registers);
-  if (gpu.alu_model == AluModel::DualSu) cost.gprs = std::max(cost.gprs, 2);  // the least the console's tools report [UNI]
+  if (gpu.alu_model == AluModel::DualSu)
+    cost.gprs = std::max(cost.gprs, 2);  // the least the console's tools report [UNI]
 }
 
 struct Interpolants {
@@ -115,7 +131,8 @@ struct Interpolants {
 Interpolants interpolants_of(const vm::Program& program) {
   Interpolants found;
   for (const vm::InputSymbol& input : program.inputs) {
-    if (input.mask == 0 || input.semantic.starts_with("VPOS") || input.semantic.starts_with("VFACE")) continue;
+    if (input.mask == 0 || input.semantic.starts_with("VPOS") || input.semantic.starts_with("VFACE"))
+      continue;
     ++found.all;
     if (input.semantic.starts_with("COLOR")) {
       found.color = true;
@@ -137,7 +154,8 @@ UnitCycles cycles_of(const vm::Program& program, const GpuModel& gpu, const Path
     return cycles;
   }
   const Interpolants interpolants = interpolants_of(program);
-  cycles.interpolator = std::max(gpu.interpolator.clk_min.value, gpu.interpolator.clk_per_interpolant.value * interpolants.coordinates) +
+  cycles.interpolator = std::max(gpu.interpolator.clk_min.value,
+                                 gpu.interpolator.clk_per_interpolant.value * interpolants.coordinates) +
                         (interpolants.color ? gpu.interpolator.clk_color_extra.value : 0.0);
   return cycles;
 }
@@ -155,12 +173,14 @@ void name_bound(StaticCost& cost) {
   const double most = *worst;
   *worst = -1;
   const auto next = std::max_element(units.begin(), units.end());
-  cost.sentence = fmt::format("bound by {}: {:.2f} clocks for 64 {}; next {} at {:.0f} %", cost_unit_name(cost.bound), most,
-                              cost.stage == vm::Stage::Vertex ? "vertices" : "pixels", cost_unit_name(static_cast<CostUnit>(next - units.begin())),
-                              most > 0 ? 100.0 * *next / most : 0.0);
+  cost.sentence = fmt::format(
+      "bound by {}: {:.2f} clocks for 64 {}; next {} at {:.0f} %", cost_unit_name(cost.bound), most,
+      cost.stage == vm::Stage::Vertex ? "vertices" : "pixels",
+      cost_unit_name(static_cast<CostUnit>(next - units.begin())), most > 0 ? 100.0 * *next / most : 0.0);
 }
 
-void collect_lines(const vm::Program& program, const std::vector<vm::Block>& blocks, const WordsByOrigin& words, StaticCost& cost) {
+void collect_lines(const vm::Program& program, const std::vector<vm::Block>& blocks,
+                   const WordsByOrigin& words, StaticCost& cost) {
   std::map<std::tuple<std::uint16_t, std::uint32_t>, LineCost> lines;
   const auto at = [&](const vm::SourceLine& line) -> LineCost& {
     LineCost& entry = lines[{line.file, line.line}];
@@ -214,9 +234,10 @@ StaticCost price(const vm::Program& program, const GpuModel& gpu, const Assumpti
   }
   const int most_gprs = static_cast<int>(gpu.registers.per_thread_max.value);
   if (cost.gprs > most_gprs) {
-    throw UserError(fmt::format("{}: needs {} vec4 registers, {} has {} a thread", program.name.empty() ? "program" : program.name, cost.gprs,
-                                gpu.id, most_gprs),
-                    "spilling is not modelled: keep fewer values alive across the program");
+    throw UserError(
+        fmt::format("{}: needs {} vec4 registers, {} has {} a thread",
+                    program.name.empty() ? "program" : program.name, cost.gprs, gpu.id, most_gprs),
+        "spilling is not modelled: keep fewer values alive across the program");
   }
   cost.threads = console::threads_in_flight(gpu, cost.gprs, program.stage == vm::Stage::Vertex);
   cost.interpolators = program.stage == vm::Stage::Pixel ? interpolants_of(program).all : 0;
@@ -266,7 +287,8 @@ LightCost loop_body_light(const vm::Program& program, const StaticCost& cost) {
   std::size_t begin = 0;
   while (begin < blocks.size() && blocks[begin].loop_depth == 0) ++begin;
   if (begin == blocks.size()) {
-    throw UserError(fmt::format("{} has no loop", program.name.empty() ? "program" : program.name), "compile it with its light loop rolled");
+    throw UserError(fmt::format("{} has no loop", program.name.empty() ? "program" : program.name),
+                    "compile it with its light loop rolled");
   }
   const double outer_trips = std::max(1u, blocks[begin].static_trips);
   for (std::size_t b = begin; b < blocks.size() && blocks[b].loop_depth > 0; ++b) {

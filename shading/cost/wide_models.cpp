@@ -14,7 +14,9 @@ namespace {
 using console::AluModel;
 using vm::Opcode;
 
-bool transcendental(const Node& node) { return node.special == Special::None && vm::info(node.op).pipe == vm::Pipe::Scalar; }
+bool transcendental(const Node& node) {
+  return node.special == Special::None && vm::info(node.op).pipe == vm::Pipe::Scalar;
+}
 
 int lanes_of(const Node& node) {
   if (node.op == Opcode::Dp4 || node.special == Special::Cube) return 4;
@@ -23,8 +25,8 @@ int lanes_of(const Node& node) {
   return std::max(1, node.width);
 }
 
-/// A unit of a word: how many lanes and operations it still takes. Stages run one after the other inside a word, so a
-/// later stage may use what an earlier one made.
+/// A unit of a word: how many lanes and operations it still takes. Stages run one after the other inside a
+/// word, so a later stage may use what an earlier one made.
 struct Unit {
   const char* name;
   int stage;
@@ -33,10 +35,15 @@ struct Unit {
 
 std::vector<Unit> units_of(AluModel model) {
   switch (model) {
-    case AluModel::DualSu: return {{"SU0", 0, 4, 2}, {"SU1", 1, 4, 2}};
-    case AluModel::Vliw5: return {{"xyzw", 0, 4, 4}, {"t", 0, 1, 1}};
-    case AluModel::MaliWord: return {{"tex", 0, 4, 1}, {"vmul", 1, 4, 1}, {"smul", 1, 1, 1}, {"vadd", 2, 4, 1}, {"sadd", 2, 1, 1}, {"combine", 3, 4, 1}};
-    default: return {{"lane", 0, 1, 1}};
+    case AluModel::DualSu:
+      return {{"SU0", 0, 4, 2}, {"SU1", 1, 4, 2}};
+    case AluModel::Vliw5:
+      return {{"xyzw", 0, 4, 4}, {"t", 0, 1, 1}};
+    case AluModel::MaliWord:
+      return {{"tex", 0, 4, 1},  {"vmul", 1, 4, 1}, {"smul", 1, 1, 1},
+              {"vadd", 2, 4, 1}, {"sadd", 2, 1, 1}, {"combine", 3, 4, 1}};
+    default:
+      return {{"lane", 0, 1, 1}};
   }
 }
 
@@ -44,7 +51,8 @@ enum class Takes { No, Yes, Whole };  // Whole: the unit is busy with nothing el
 
 Takes takes(AluModel model, std::size_t unit, const Node& node) {
   if (model == AluModel::DualSu) {
-    if (node.is_fetch()) return unit == 0 ? Takes::Whole : Takes::No;  // the first unit computes texture addresses
+    if (node.is_fetch())
+      return unit == 0 ? Takes::Whole : Takes::No;  // the first unit computes texture addresses
     if (transcendental(node)) return unit == 0 ? Takes::Yes : Takes::No;
     return Takes::Yes;
   }
@@ -54,18 +62,24 @@ Takes takes(AluModel model, std::size_t unit, const Node& node) {
     if (transcendental(node)) return Takes::No;
     return node.is_reduction() ? Takes::Whole : Takes::Yes;
   }
-  // Utgard: products in the mul units, sums in the add units, transcendentals in the combiner; copies go anywhere.
+  // Utgard: products in the mul units, sums in the add units, transcendentals in the combiner; copies go
+  // anywhere.
   const bool single = lanes_of(node) == 1;
   if (node.is_fetch()) return unit == 0 ? Takes::Whole : Takes::No;
   if (transcendental(node)) return unit == 5 ? Takes::Whole : Takes::No;
   const bool product = node.op == Opcode::Mul, copy = node.op == Opcode::Mov;
   const bool both = node.op == Opcode::Mad || node.is_reduction();
   switch (unit) {
-    case 1: return product || copy || both ? Takes::Yes : Takes::No;
-    case 2: return single && (product || copy) ? Takes::Yes : Takes::No;
-    case 3: return !product && !both ? Takes::Yes : Takes::No;
-    case 4: return single && !product && !both ? Takes::Yes : Takes::No;
-    default: return Takes::No;
+    case 1:
+      return product || copy || both ? Takes::Yes : Takes::No;
+    case 2:
+      return single && (product || copy) ? Takes::Yes : Takes::No;
+    case 3:
+      return !product && !both ? Takes::Yes : Takes::No;
+    case 4:
+      return single && !product && !both ? Takes::Yes : Takes::No;
+    default:
+      return Takes::No;
   }
 }
 
@@ -123,7 +137,8 @@ WideSchedule schedule_wide(const Graph& graph, AluModel model) {
   for (int n : placement_order(graph, lengths)) {
     const Node& node = graph.nodes[static_cast<std::size_t>(n)];
     std::pair<int, int> ready = {0, -1};
-    for_each_dependency(node, [&](int from) { ready = std::max(ready, done[static_cast<std::size_t>(from)]); });
+    for_each_dependency(node,
+                        [&](int from) { ready = std::max(ready, done[static_cast<std::size_t>(from)]); });
     if (node.is_fetch() && model == AluModel::Vliw5) {  // fetches have their own clause there
       done[static_cast<std::size_t>(n)] = ready;
       continue;
@@ -151,13 +166,15 @@ WideSchedule schedule_wide(const Graph& graph, AluModel model) {
         schedule.placed.push_back({n, word, unit.name});
         placed = true;
       }
-      ALU_CHECK(placed || word < ready.first + 100000, "operation {} fits no unit", vm::info(node.op).mnemonic);
+      ALU_CHECK(placed || word < ready.first + 100000, "operation {} fits no unit",
+                vm::info(node.op).mnemonic);
     }
   }
   schedule.words = last_word + 1;
   const int width = model == AluModel::DualSu ? 8 : model == AluModel::Vliw5 ? 5 : 10;
   schedule.bound_words = (lanes + width - 1) / width;
-  std::stable_sort(schedule.placed.begin(), schedule.placed.end(), [](const auto& a, const auto& b) { return a.word < b.word; });
+  std::stable_sort(schedule.placed.begin(), schedule.placed.end(),
+                   [](const auto& a, const auto& b) { return a.word < b.word; });
   return schedule;
 }
 
@@ -186,8 +203,10 @@ int live_registers(const vm::Program& program, bool inputs_in_registers) {
       const vm::Source& source = instruction.src[s];
       for (int lane = 0; lane < 4; ++lane) {
         if (!reads_lane(program, instruction, static_cast<int>(s), lane)) continue;
-        if (source.file == vm::RegisterFile::Temp) mention(source.index, source.swizzle[static_cast<std::size_t>(lane)], static_cast<int>(i));
-        if (source.file == vm::RegisterFile::Input) mention(temps + source.index, source.swizzle[static_cast<std::size_t>(lane)], static_cast<int>(i));
+        if (source.file == vm::RegisterFile::Temp)
+          mention(source.index, source.swizzle[static_cast<std::size_t>(lane)], static_cast<int>(i));
+        if (source.file == vm::RegisterFile::Input)
+          mention(temps + source.index, source.swizzle[static_cast<std::size_t>(lane)], static_cast<int>(i));
       }
     }
     if (instruction.dst.file == vm::RegisterFile::Temp) {
@@ -202,7 +221,8 @@ int live_registers(const vm::Program& program, bool inputs_in_registers) {
       Life entry = life[reg * 4 + c];
       if (entry.first < 0) continue;
       for (const auto& [begin, end] : loops) {
-        const bool crosses = entry.first <= end && entry.last >= begin && (entry.first < begin || entry.last > end);
+        const bool crosses =
+            entry.first <= end && entry.last >= begin && (entry.first < begin || entry.last > end);
         if (crosses) {
           entry.first = std::min(entry.first, begin);
           entry.last = std::max(entry.last, end);

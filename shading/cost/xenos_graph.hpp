@@ -1,6 +1,6 @@
-// One basic block as the Xenos scheduler sees it: operations on single components, copies already forwarded, each result
-// named by the node that makes it. Registers do not exist yet; what must share one register is a group.
-// Built by xenos_lowering, ordered by schedule, placed by xenos_registers.
+// One basic block as the Xenos scheduler sees it: operations on single components, copies already forwarded,
+// each result named by the node that makes it. Registers do not exist yet; what must share one register is a
+// group. Built by xenos_lowering, ordered by schedule, placed by xenos_registers.
 #pragma once
 
 #include "shading/vm/program.hpp"
@@ -26,11 +26,13 @@ struct Ref {
   vm::RegisterFile file = vm::RegisterFile::Uniform;  // Constant: Uniform or Literal (arrays only)
   std::uint32_t index = 0;
   double value = 0.0;
-  vm::Relative relative{};   // Constant; a Temp base is replaced by the node below
-  int address_node = -1;     // Constant: node that loads the address register
+  vm::Relative relative{};  // Constant; a Temp base is replaced by the node below
+  int address_node = -1;    // Constant: node that loads the address register
   bool operator==(const Ref&) const = default;
 
-  bool is_constant() const { return kind == Kind::Constant || kind == Kind::Literal || kind == Kind::Counter; }
+  bool is_constant() const {
+    return kind == Kind::Constant || kind == Kind::Literal || kind == Kind::Counter;
+  }
 };
 
 /// Up to four components read from one register through a swizzle; negate and absolute hold for all of them.
@@ -50,33 +52,41 @@ enum class Special : std::uint8_t {
   FetchSetup,    // extra fetch word: set LOD, set gradient
 };
 
-enum class DestKind : std::uint8_t { Value, Export, Home, Effect };  // Effect: kill, predicate, address: no register
+enum class DestKind : std::uint8_t {
+  Value,
+  Export,
+  Home,
+  Effect
+};  // Effect: kill, predicate, address: no register
 
 struct Node {
   vm::Opcode op = vm::Opcode::Mov;
   Special special = Special::None;
   bool saturate = false;
   bool removed = false;
-  int width = 1;                    // result lanes; dot products and scalar operations have 1
+  int width = 1;  // result lanes; dot products and scalar operations have 1
   int sources = 1;
   std::array<Operand, 3> src{};
   DestKind dest = DestKind::Value;
-  std::uint16_t dest_index = 0;     // Export: o#; Home: temp
-  std::array<std::int8_t, 4> dest_lane = {-1, -1, -1, -1};  // Export, Home: lane written to component c, -1 = none
+  std::uint16_t dest_index = 0;  // Export: o#; Home: temp
+  std::array<std::int8_t, 4> dest_lane = {-1, -1, -1,
+                                          -1};  // Export, Home: lane written to component c, -1 = none
   std::array<std::uint8_t, 4> texel_component = {0, 1, 2, 3};  // fetch: texel component of each lane
-  std::array<double, 4> export_values{};  // the values of export_constants
+  std::array<double, 4> export_values{};                       // the values of export_constants
   std::uint8_t export_constants = 0;  // Export: components that are 0 or 1 for free through the write masks
-  int after = -1;                   // effect that must issue earlier: a FetchSetup
+  int after = -1;                     // effect that must issue earlier: a FetchSetup
   std::uint8_t sampler = 0;
-  std::uint32_t origin = 0;         // index in Program::code; the first one for merged operations
+  std::uint32_t origin = 0;  // index in Program::code; the first one for merged operations
   vm::SourceLine line{};
 
   bool is_fetch() const {
-    return special == Special::FetchSetup || (special == Special::None && vm::info(op).pipe == vm::Pipe::Fetch);
+    return special == Special::FetchSetup ||
+           (special == Special::None && vm::info(op).pipe == vm::Pipe::Fetch);
   }
   /// One result from several components: its operands have a fixed number of refs.
   bool is_reduction() const {
-    return op == vm::Opcode::Dp2Add || op == vm::Opcode::Dp3 || op == vm::Opcode::Dp4 || special == Special::Cube;
+    return op == vm::Opcode::Dp2Add || op == vm::Opcode::Dp3 || op == vm::Opcode::Dp4 ||
+           special == Special::Cube;
   }
 };
 
@@ -109,8 +119,9 @@ class RegisterGroups {
 
 struct Graph {
   std::vector<Node> nodes;
-  RegisterGroups groups;                          // parallel to nodes
-  std::vector<std::pair<int, int>> write_after_read;  // (reader, writer): reader issues in the same word or earlier
+  RegisterGroups groups;  // parallel to nodes
+  std::vector<std::pair<int, int>>
+      write_after_read;  // (reader, writer): reader issues in the same word or earlier
   bool has_export = false;
 
   int add(Node node) {

@@ -24,12 +24,15 @@ Value literal_value(double number) {
   return value;
 }
 
-bool is_compare(Opcode op) { return op == Opcode::Sge || op == Opcode::Sgt || op == Opcode::Seq || op == Opcode::Sne; }
+bool is_compare(Opcode op) {
+  return op == Opcode::Sge || op == Opcode::Sgt || op == Opcode::Seq || op == Opcode::Sne;
+}
 
 /// Translates one block, keeping for every temp component the value it holds so that copies cost nothing.
 class BlockBuilder {
  public:
-  BlockBuilder(const vm::Program& program, const std::vector<std::uint8_t>& homes) : program_(program), homes_(homes) {
+  BlockBuilder(const vm::Program& program, const std::vector<std::uint8_t>& homes)
+      : program_(program), homes_(homes) {
     for (std::size_t temp = 0; temp < homes.size(); ++temp) {
       std::array<Value, 4> values;
       for (std::uint8_t c = 0; c < 4; ++c) {
@@ -47,9 +50,15 @@ class BlockBuilder {
       at_ = i;
       const vm::Instruction& instruction = program_.code[i];
       switch (vm::info(instruction.op).pipe) {
-        case vm::Pipe::Flow: flow(instruction); break;
-        case vm::Pipe::Fetch: fetch(instruction); break;
-        default: arithmetic(instruction); break;
+        case vm::Pipe::Flow:
+          flow(instruction);
+          break;
+        case vm::Pipe::Fetch:
+          fetch(instruction);
+          break;
+        default:
+          arithmetic(instruction);
+          break;
       }
     }
   }
@@ -61,16 +70,19 @@ class BlockBuilder {
       for (std::uint8_t c = 0; c < 4; ++c) {
         if (!outputs_[o].written[c]) continue;
         const Value& value = outputs_[o].values[c];
-        out.exports.push_back({static_cast<std::uint16_t>(o), c, value.ref, value.negate, value.absolute, outputs_[o].origin});
+        out.exports.push_back(
+            {static_cast<std::uint16_t>(o), c, value.ref, value.negate, value.absolute, outputs_[o].origin});
       }
     }
     for (std::size_t temp = 0; temp < temps_.size(); ++temp) {
       for (std::uint8_t c = 0; c < 4; ++c) {
         if ((homes_[temp] >> c & 1) == 0) continue;
         const Value& value = temps_[temp][c];
-        const bool unchanged = value.ref.kind == Ref::Kind::Home && value.ref.index == temp && value.ref.component == c &&
-                               !value.negate && !value.absolute;
-        if (!unchanged) out.homes.push_back({static_cast<std::uint16_t>(temp), c, value.ref, value.negate, value.absolute, at_});
+        const bool unchanged = value.ref.kind == Ref::Kind::Home && value.ref.index == temp &&
+                               value.ref.component == c && !value.negate && !value.absolute;
+        if (!unchanged)
+          out.homes.push_back(
+              {static_cast<std::uint16_t>(temp), c, value.ref, value.negate, value.absolute, at_});
       }
     }
     return out;
@@ -89,8 +101,12 @@ class BlockBuilder {
     value.ref.component = c;
     value.ref.index = source.index;
     switch (source.file) {
-      case vm::RegisterFile::Temp: value = temps_[source.index][c]; break;
-      case vm::RegisterFile::Input: value.ref.kind = Ref::Kind::Input; break;
+      case vm::RegisterFile::Temp:
+        value = temps_[source.index][c];
+        break;
+      case vm::RegisterFile::Input:
+        value.ref.kind = Ref::Kind::Input;
+        break;
       case vm::RegisterFile::LoopCounter:
         value.ref.kind = Ref::Kind::Counter;
         value.ref.component = 0;
@@ -105,9 +121,12 @@ class BlockBuilder {
         value.ref.kind = Ref::Kind::Constant;
         value.ref.file = source.file;
         value.ref.relative = source.relative;
-        if (source.relative.base == vm::RelativeBase::Temp) value.ref.address_node = address_of(source.relative);
+        if (source.relative.base == vm::RelativeBase::Temp)
+          value.ref.address_node = address_of(source.relative);
         break;
-      case vm::RegisterFile::Output: ALU_CHECK(false, "outputs are write only"); break;
+      case vm::RegisterFile::Output:
+        ALU_CHECK(false, "outputs are write only");
+        break;
     }
     if (source.absolute) {
       value.absolute = true;
@@ -127,8 +146,8 @@ class BlockBuilder {
     const Value value = temps_[relative.index][relative.component];
     for (std::size_t i = 0; i < graph_.nodes.size(); ++i) {
       const Node& node = graph_.nodes[i];
-      if (node.special == Special::LoadAddress && node.src[0].refs[0] == value.ref && node.src[0].negate == value.negate &&
-          node.src[0].absolute == value.absolute) {
+      if (node.special == Special::LoadAddress && node.src[0].refs[0] == value.ref &&
+          node.src[0].negate == value.negate && node.src[0].absolute == value.absolute) {
         return static_cast<int>(i);
       }
     }
@@ -149,7 +168,8 @@ class BlockBuilder {
     return node;
   }
 
-  /// One operand from up to four values. Modifiers hold for a whole operand, so lanes that disagree are copied first.
+  /// One operand from up to four values. Modifiers hold for a whole operand, so lanes that disagree are
+  /// copied first.
   Operand operand_of(std::span<const Value> values) {
     Operand operand;
     operand.count = static_cast<int>(values.size());
@@ -216,7 +236,8 @@ class BlockBuilder {
 
   void arithmetic(const vm::Instruction& instruction) {
     const vm::OpcodeInfo& info = vm::info(instruction.op);
-    if (instruction.op == Opcode::Mov && !instruction.saturate) {  // a copy is only a name, until something needs it placed
+    if (instruction.op == Opcode::Mov &&
+        !instruction.saturate) {  // a copy is only a name, until something needs it placed
       std::array<Value, 4> values;
       for (std::uint8_t c = 0; c < 4; ++c) {
         if (instruction.dst.mask >> c & 1) values[c] = read(instruction.src[0], c);
@@ -235,7 +256,10 @@ class BlockBuilder {
       for (std::size_t s = 0; s < 2; ++s) node.src[s] = operand_of(instruction.src[s], kFirst);
     } else if (node.is_reduction() || info.pipe == vm::Pipe::Scalar) {
       constexpr int kAll[] = {0, 1, 2, 3};
-      const std::size_t lanes = info.pipe == vm::Pipe::Scalar ? 1 : node.op == Opcode::Dp2Add ? 2 : node.op == Opcode::Dp3 ? 3 : 4;
+      const std::size_t lanes = info.pipe == vm::Pipe::Scalar ? 1
+                                : node.op == Opcode::Dp2Add   ? 2
+                                : node.op == Opcode::Dp3      ? 3
+                                                              : 4;
       for (std::size_t s = 0; s < static_cast<std::size_t>(info.sources); ++s) {
         node.src[s] = operand_of(instruction.src[s], {kAll, s == 2 ? 1 : lanes});
       }
@@ -260,8 +284,10 @@ class BlockBuilder {
     Node node = fresh(Opcode::Sne, 1);
     node.special = Special::SetPredicate;
     node.dest = DestKind::Effect;
-    // The set-predicate operations compare two operands themselves, so a comparison in front of the branch is free.
-    const bool fuse = condition.ref.kind == Ref::Kind::Node && is_compare(graph_.nodes[condition.ref.index].op) &&
+    // The set-predicate operations compare two operands themselves, so a comparison in front of the branch is
+    // free.
+    const bool fuse = condition.ref.kind == Ref::Kind::Node &&
+                      is_compare(graph_.nodes[condition.ref.index].op) &&
                       !graph_.nodes[condition.ref.index].saturate && !condition.absolute;
     if (fuse) {
       const Node& compare = graph_.nodes[condition.ref.index];
@@ -311,7 +337,8 @@ class BlockBuilder {
     clamp.saturate = true;
     clamp.src[0].count = node.width;
     const int fetched = graph_.add(node);
-    for (int lane = 0; lane < node.width; ++lane) clamp.src[0].refs[static_cast<std::size_t>(lane)] = node_ref(fetched, lane);
+    for (int lane = 0; lane < node.width; ++lane)
+      clamp.src[0].refs[static_cast<std::size_t>(lane)] = node_ref(fetched, lane);
     write(instruction.dst, graph_.add(clamp), lane_of);
   }
 
@@ -340,8 +367,8 @@ class BlockBuilder {
     return graph_.add(setup);
   }
 
-  /// cube (face selection); mov face | rcp |2 ma|; mad 1.5: three words and then a 2D fetch with the face as third
-  /// coordinate [XEN-U, UNI].
+  /// cube (face selection); mov face | rcp |2 ma|; mad 1.5: three words and then a 2D fetch with the face as
+  /// third coordinate [XEN-U, UNI].
   void expand_cube(Node& node) {
     Node cube = fresh(Opcode::Mov, 4);
     cube.special = Special::Cube;
@@ -387,7 +414,8 @@ class BlockBuilder {
 
 }  // namespace
 
-std::vector<std::uint8_t> components_across_blocks(const vm::Program& program, const std::vector<vm::Block>& blocks) {
+std::vector<std::uint8_t> components_across_blocks(const vm::Program& program,
+                                                   const std::vector<vm::Block>& blocks) {
   std::vector<std::uint8_t> across(static_cast<std::size_t>(program.temp_count), 0);
   for (const vm::Block& block : blocks) {
     std::vector<std::uint8_t> written(across.size(), 0);
@@ -398,19 +426,23 @@ std::vector<std::uint8_t> components_across_blocks(const vm::Program& program, c
       const vm::Instruction& instruction = program.code[i];
       for (std::size_t s = 0; s < static_cast<std::size_t>(vm::info(instruction.op).sources); ++s) {
         const vm::Source& source = instruction.src[s];
-        if (source.relative.base == vm::RelativeBase::Temp) reads(source.relative.index, source.relative.component);
+        if (source.relative.base == vm::RelativeBase::Temp)
+          reads(source.relative.index, source.relative.component);
         if (source.file != vm::RegisterFile::Temp) continue;
         for (int lane = 0; lane < 4; ++lane) {
-          if (reads_lane(program, instruction, static_cast<int>(s), lane)) reads(source.index, source.swizzle[static_cast<std::size_t>(lane)]);
+          if (reads_lane(program, instruction, static_cast<int>(s), lane))
+            reads(source.index, source.swizzle[static_cast<std::size_t>(lane)]);
         }
       }
-      if (instruction.dst.file == vm::RegisterFile::Temp && instruction.dst.mask != 0) written[instruction.dst.index] |= instruction.dst.mask;
+      if (instruction.dst.file == vm::RegisterFile::Temp && instruction.dst.mask != 0)
+        written[instruction.dst.index] |= instruction.dst.mask;
     }
   }
   return across;
 }
 
-Graph lower_block(const vm::Program& program, const vm::Block& block, const std::vector<std::uint8_t>& homes, Packing packing) {
+Graph lower_block(const vm::Program& program, const vm::Block& block, const std::vector<std::uint8_t>& homes,
+                  Packing packing) {
   BlockBuilder builder(program, homes);
   builder.translate(block);
   BlockResults results = std::move(builder).results();

@@ -11,11 +11,13 @@ namespace {
 using vm::Opcode;
 
 bool commutes(Opcode op) {
-  return op == Opcode::Mul || op == Opcode::Mad || op == Opcode::Add || op == Opcode::Min || op == Opcode::Max;
+  return op == Opcode::Mul || op == Opcode::Mad || op == Opcode::Add || op == Opcode::Min ||
+         op == Opcode::Max;
 }
 
 bool packable(Opcode op) {
-  return commutes(op) || op == Opcode::CndGe || op == Opcode::CndGt || op == Opcode::CndEq || op == Opcode::Sge || op == Opcode::Sgt;
+  return commutes(op) || op == Opcode::CndGe || op == Opcode::CndGt || op == Opcode::CndEq ||
+         op == Opcode::Sge || op == Opcode::Sgt;
 }
 
 int words_of(const Node& node) {
@@ -32,7 +34,8 @@ std::vector<int> topological_order(const Graph& graph) {
     ++waiting[static_cast<std::size_t>(to)];
   };
   for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
-    if (!graph.nodes[n].removed) for_each_dependency(graph.nodes[n], [&](int from) { edge(from, static_cast<int>(n)); });
+    if (!graph.nodes[n].removed)
+      for_each_dependency(graph.nodes[n], [&](int from) { edge(from, static_cast<int>(n)); });
   }
   for (const auto& [reader, writer] : graph.write_after_read) edge(reader, writer);
   for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
@@ -63,7 +66,8 @@ bool depends_on(const Graph& graph, int node, int target) {
 
 /// The guest's operand may stand behind the host's: same modifiers and one register for all lanes.
 bool operands_join(const Graph& graph, RegisterGroups& groups, const Operand& host, const Operand& guest) {
-  const bool host_literal = host.refs[0].kind == Ref::Kind::Literal, guest_literal = guest.refs[0].kind == Ref::Kind::Literal;
+  const bool host_literal = host.refs[0].kind == Ref::Kind::Literal,
+             guest_literal = guest.refs[0].kind == Ref::Kind::Literal;
   if (host_literal != guest_literal) return false;
   if (host.negate != guest.negate || host.absolute != guest.absolute) return false;
   return host_literal || share_register(graph, groups, host.refs[0], guest.refs[0]);
@@ -79,12 +83,14 @@ std::optional<Node> joined(const Graph& graph, RegisterGroups& groups, int host_
     if (swap == 1) std::swap(turned.src[0], turned.src[1]);
     RegisterGroups trial = groups;
     bool legal = true;
-    for (std::size_t s = 0; s < static_cast<std::size_t>(host.sources); ++s) legal = legal && operands_join(graph, trial, host.src[s], turned.src[s]);
+    for (std::size_t s = 0; s < static_cast<std::size_t>(host.sources); ++s)
+      legal = legal && operands_join(graph, trial, host.src[s], turned.src[s]);
     if (!legal || !trial.can_merge(host_index, guest_index)) continue;
     Node node = host;
     for (std::size_t s = 0; s < static_cast<std::size_t>(host.sources); ++s) {
       for (int lane = 0; lane < guest.width; ++lane) {
-        node.src[s].refs[static_cast<std::size_t>(host.width + lane)] = turned.src[s].refs[static_cast<std::size_t>(lane)];
+        node.src[s].refs[static_cast<std::size_t>(host.width + lane)] =
+            turned.src[s].refs[static_cast<std::size_t>(lane)];
       }
       node.src[s].count = host.width + guest.width;
     }
@@ -98,8 +104,8 @@ std::optional<Node> joined(const Graph& graph, RegisterGroups& groups, int host_
 }
 
 bool takes_lane(const Graph& graph, const Node& node) {
-  return !node.removed && node.special == Special::None && node.dest == DestKind::Value && packable(node.op) &&
-         (node.width > 1 || !fits_scalar_half(graph, node));
+  return !node.removed && node.special == Special::None && node.dest == DestKind::Value &&
+         packable(node.op) && (node.width > 1 || !fits_scalar_half(graph, node));
 }
 
 }  // namespace
@@ -112,11 +118,15 @@ bool fits_scalar_half(const Graph& graph, const Node& node) {
   if (node.sources == 1) return true;
   const Ref& a = node.src[0].refs[0];
   const Ref& b = node.src[1].refs[0];
-  const bool compare = node.op == Opcode::Sge || node.op == Opcode::Sgt || node.op == Opcode::Seq || node.op == Opcode::Sne;
-  if (compare) return b.kind == Ref::Kind::Literal && b.value == 0.0 && !a.is_constant();  // s**s compare with zero
+  const bool compare =
+      node.op == Opcode::Sge || node.op == Opcode::Sgt || node.op == Opcode::Seq || node.op == Opcode::Sne;
+  if (compare)
+    return b.kind == Ref::Kind::Literal && b.value == 0.0 && !a.is_constant();  // s**s compare with zero
   if (a.is_constant() && b.is_constant()) return false;
-  if (a.is_constant() != b.is_constant()) return node.op == Opcode::Add || node.op == Opcode::Mul;  // addsc, subsc, mulsc
-  // One register, read twice: modifiers are the register's, except that the second sign is addition or subtraction.
+  if (a.is_constant() != b.is_constant())
+    return node.op == Opcode::Add || node.op == Opcode::Mul;  // addsc, subsc, mulsc
+  // One register, read twice: modifiers are the register's, except that the second sign is addition or
+  // subtraction.
   const bool signs = node.src[0].absolute == node.src[1].absolute;
   return signs && place_of(graph, a) == place_of(graph, b);
 }
@@ -129,7 +139,8 @@ ChainLengths chain_lengths(const Graph& graph) {
   for (int n : order) {
     const Node& node = graph.nodes[static_cast<std::size_t>(n)];
     int before = 0;
-    for_each_dependency(node, [&](int from) { before = std::max(before, lengths.depth[static_cast<std::size_t>(from)]); });
+    for_each_dependency(
+        node, [&](int from) { before = std::max(before, lengths.depth[static_cast<std::size_t>(from)]); });
     lengths.depth[static_cast<std::size_t>(n)] = before + words_of(node);
     lengths.longest = std::max(lengths.longest, before + words_of(node));
   }
@@ -138,7 +149,8 @@ ChainLengths chain_lengths(const Graph& graph) {
     int& own = lengths.height[static_cast<std::size_t>(*it)];
     own += words_of(node);
     for_each_dependency(node, [&](int from) {
-      lengths.height[static_cast<std::size_t>(from)] = std::max(lengths.height[static_cast<std::size_t>(from)], own);
+      lengths.height[static_cast<std::size_t>(from)] =
+          std::max(lengths.height[static_cast<std::size_t>(from)], own);
     });
   }
   return lengths;
@@ -153,7 +165,8 @@ int home_writer_on_cycle(const Graph& graph) {
     if (done[n] || node.removed || node.dest != DestKind::Home) continue;
     // Behind a cycle but not on it: some result of its own must lead back to it.
     for (const auto& [reader, writer] : graph.write_after_read) {
-      if (writer == static_cast<int>(n) && !done[static_cast<std::size_t>(reader)]) return static_cast<int>(n);
+      if (writer == static_cast<int>(n) && !done[static_cast<std::size_t>(reader)])
+        return static_cast<int>(n);
     }
   }
   return -1;
@@ -167,10 +180,15 @@ void pack_lanes(Graph& graph, Packing packing) {
     for (std::size_t host = 0; host < graph.nodes.size(); ++host) {
       const Node& a = graph.nodes[host];
       const Node& b = graph.nodes[guest];
-      if (host == guest || !takes_lane(graph, a) || a.op != b.op || a.saturate != b.saturate || a.width < b.width || a.width + b.width > 4) continue;
-      const int chain = std::max(lengths.depth[host], lengths.depth[guest]) + std::max(lengths.height[host], lengths.height[guest]) - 1;
+      if (host == guest || !takes_lane(graph, a) || a.op != b.op || a.saturate != b.saturate ||
+          a.width < b.width || a.width + b.width > 4)
+        continue;
+      const int chain = std::max(lengths.depth[host], lengths.depth[guest]) +
+                        std::max(lengths.height[host], lengths.height[guest]) - 1;
       if (packing == Packing::OffCriticalPath && chain > longest) continue;
-      if (depends_on(graph, static_cast<int>(host), static_cast<int>(guest)) || depends_on(graph, static_cast<int>(guest), static_cast<int>(host))) continue;
+      if (depends_on(graph, static_cast<int>(host), static_cast<int>(guest)) ||
+          depends_on(graph, static_cast<int>(guest), static_cast<int>(host)))
+        continue;
       RegisterGroups groups = graph.groups;
       const std::optional<Node> node = joined(graph, groups, static_cast<int>(host), static_cast<int>(guest));
       if (!node) continue;
@@ -182,7 +200,8 @@ void pack_lanes(Graph& graph, Packing packing) {
         for (std::size_t s = 0; s < static_cast<std::size_t>(reader.sources); ++s) {
           for (int i = 0; i < reader.src[s].count; ++i) {
             Ref& ref = reader.src[s].refs[static_cast<std::size_t>(i)];
-            if (ref.kind == Ref::Kind::Node && ref.index == guest) ref = node_ref(static_cast<int>(host), offset + ref.component);
+            if (ref.kind == Ref::Kind::Node && ref.index == guest)
+              ref = node_ref(static_cast<int>(host), offset + ref.component);
           }
         }
       }

@@ -1,5 +1,5 @@
-// A whole program scheduled for the vec4+scalar machine: every block's graph, order and registers. The packing of
-// rule 9 is tried at each strength and the shortest schedule of each block kept.
+// A whole program scheduled for the vec4+scalar machine: every block's graph, order and registers. The
+// packing of rule 9 is tried at each strength and the shortest schedule of each block kept.
 #pragma once
 
 #include "shading/cost/xenos_registers.hpp"

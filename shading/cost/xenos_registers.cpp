@@ -8,8 +8,8 @@
 namespace aluminate::cost {
 namespace {
 
-/// Issues are numbered through the program. A component is occupied from the issue that writes it up to, not including,
-/// the issue that reads it last: both halves of a word read before either writes.
+/// Issues are numbered through the program. A component is occupied from the issue that writes it up to, not
+/// including, the issue that reads it last: both halves of a word read before either writes.
 struct Span {
   int begin = 0, end = 0;
   void cover(int position) { end = std::max(end, position); }
@@ -59,7 +59,8 @@ RegisterMap assign_registers(const vm::Program& program, const std::vector<vm::B
                              const std::vector<std::uint8_t>& homes, std::vector<ScheduledBlock>& scheduled) {
   // Positions: block b owns [first[b], first[b] + issues + 1); the last one is the end of the block.
   std::vector<int> first(blocks.size() + 1, 0);
-  for (std::size_t b = 0; b < blocks.size(); ++b) first[b + 1] = first[b] + static_cast<int>(scheduled[b].schedule.issues.size()) + 1;
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    first[b + 1] = first[b] + static_cast<int>(scheduled[b].schedule.issues.size()) + 1;
 
   // What lives across iterations lives through the outermost loop.
   std::vector<Span> loop_of(blocks.size());
@@ -114,7 +115,8 @@ RegisterMap assign_registers(const vm::Program& program, const std::vector<vm::B
       const Node& node = graph.nodes[static_cast<std::size_t>(n)];
       if (node.dest == DestKind::Home) touch_home(node.dest_index, position);
       if (node.dest != DestKind::Value) return;
-      for (int lane = 0; lane < node.width; ++lane) lane_span[static_cast<std::size_t>(n)][static_cast<std::size_t>(lane)] = {position, position + 1};
+      for (int lane = 0; lane < node.width; ++lane)
+        lane_span[static_cast<std::size_t>(n)][static_cast<std::size_t>(lane)] = {position, position + 1};
     };
     for (std::size_t i = 0; i < block.schedule.issues.size(); ++i) {
       const Issue& issue = block.schedule.issues[i];
@@ -143,11 +145,14 @@ RegisterMap assign_registers(const vm::Program& program, const std::vector<vm::B
         request.lanes.emplace_back(static_cast<int>(n), lane);
         request.spans.push_back(lane_span[n][static_cast<std::size_t>(lane)]);
       }
-      request.begin = request.lanes.size() == static_cast<std::size_t>(node.width) ? issued[n] : std::min(request.begin, issued[n]);
+      request.begin = request.lanes.size() == static_cast<std::size_t>(node.width)
+                          ? issued[n]
+                          : std::min(request.begin, issued[n]);
     }
     std::vector<Request> ordered;
     for (auto& [root, request] : groups) ordered.push_back(std::move(request));
-    std::stable_sort(ordered.begin(), ordered.end(), [](const Request& a, const Request& c) { return a.begin < c.begin; });
+    std::stable_sort(ordered.begin(), ordered.end(),
+                     [](const Request& a, const Request& c) { return a.begin < c.begin; });
     for (Request& request : ordered) {
       ALU_CHECK(request.lanes.size() <= 4, "a register group has {} components", request.lanes.size());
       request.begin = static_cast<int>(b);  // from here on: the block
@@ -190,7 +195,8 @@ RegisterMap assign_registers(const vm::Program& program, const std::vector<vm::B
       file.take(gpr, components[i], request.spans[i]);
       Location& location = block.results[static_cast<std::size_t>(request.lanes[i].first)];
       location.gpr = gpr;
-      location.component[static_cast<std::size_t>(request.lanes[i].second)] = static_cast<std::uint8_t>(components[i]);
+      location.component[static_cast<std::size_t>(request.lanes[i].second)] =
+          static_cast<std::uint8_t>(components[i]);
     }
   }
   for (ScheduledBlock& block : scheduled) {

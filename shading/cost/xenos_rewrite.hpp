@@ -1,5 +1,5 @@
-// The period compiler's idioms on a block's graph: what it folds, where it writes exports, what it packs, and the
-// copies that remain because an operand must come from one register. Used by lower_block only.
+// The period compiler's idioms on a block's graph: what it folds, where it writes exports, what it packs, and
+// the copies that remain because an operand must come from one register. Used by lower_block only.
 #pragma once
 
 #include "shading/cost/xenos_graph.hpp"
@@ -31,17 +31,18 @@ inline Ref node_ref(int node, int lane) {
   return ref;
 }
 
-/// Keeps the first of lanes that compute the same thing; returns the new lane of each of the `count` old ones and sets
-/// width and operand counts.
+/// Keeps the first of lanes that compute the same thing; returns the new lane of each of the `count` old ones
+/// and sets width and operand counts.
 std::array<int, 4> drop_equal_lanes(Node& node, int count);
 
 /// Whether an instruction reads lane 0..3 of a source, by its write mask or the operation's fixed width.
 bool reads_lane(const vm::Program& program, const vm::Instruction& instruction, int source, int lane);
 
-/// Where a component lives once registers exist. Two refs with the same place can be one operand. Value results have the
-/// place of their group; literals all share one place, since an assembler may lay out constants as it likes.
+/// Where a component lives once registers exist. Two refs with the same place can be one operand. Value
+/// results have the place of their group; literals all share one place, since an assembler may lay out
+/// constants as it likes.
 struct Place {
-  int kind = 0;              // 0 value group, 1 input, 2 home, 3 constant, 4 literal, 5 loop counter
+  int kind = 0;  // 0 value group, 1 input, 2 home, 3 constant, 4 literal, 5 loop counter
   std::uint32_t index = 0;
   vm::Relative relative{};
   vm::RegisterFile file = vm::RegisterFile::Uniform;

@@ -13,7 +13,8 @@ constexpr char kComponents[] = "xyzw";
 
 class RowWriter {
  public:
-  RowWriter(const vm::Program& program, const ScheduledBlock& block, const RegisterMap& map) : program_(program), block_(block), map_(map) {}
+  RowWriter(const vm::Program& program, const ScheduledBlock& block, const RegisterMap& map)
+      : program_(program), block_(block), map_(map) {}
 
   std::string text(int n, bool scalar_half, bool second_slot) const {
     const Node& node = block_.graph.nodes[static_cast<std::size_t>(n)];
@@ -24,7 +25,8 @@ class RowWriter {
       const std::string source = s == skipped ? "ps" : operand(node.src[static_cast<std::size_t>(s)]);
       operands += (operands.empty() ? "" : ", ") + source;
     }
-    if (node.is_fetch() && node.special == Special::None && is_texture(node.op)) operands += ", " + program_.samplers[node.sampler].name;
+    if (node.is_fetch() && node.special == Special::None && is_texture(node.op))
+      operands += ", " + program_.samplers[node.sampler].name;
     return line + " " + operands;
   }
 
@@ -37,16 +39,27 @@ class RowWriter {
   std::string mnemonic(const Node& node, bool scalar_half, bool second_slot) const {
     std::string name(vm::info(node.op).mnemonic);
     switch (node.special) {
-      case Special::Cube: name = "cube"; break;
-      case Special::SetPredicate: name = "setp_" + name; break;
-      case Special::LoadAddress: name = "mova"; break;
-      case Special::FetchSetup: name = "setlod/setgrad"; break;
+      case Special::Cube:
+        name = "cube";
+        break;
+      case Special::SetPredicate:
+        name = "setp_" + name;
+        break;
+      case Special::LoadAddress:
+        name = "mova";
+        break;
+      case Special::FetchSetup:
+        name = "setlod/setgrad";
+        break;
       case Special::None:
         if (is_texture(node.op)) {
           const vm::SamplerDimension dimension = program_.samplers[node.sampler].dimension;
-          name = dimension == vm::SamplerDimension::Tex2D ? "tfetch2D" : dimension == vm::SamplerDimension::Tex3D ? "tfetch3D" : "tfetchCube";
+          name = dimension == vm::SamplerDimension::Tex2D   ? "tfetch2D"
+                 : dimension == vm::SamplerDimension::Tex3D ? "tfetch3D"
+                                                            : "tfetchCube";
         } else if (scalar_half) {
-          const bool constant = node.sources == 2 && (node.src[0].refs[0].is_constant() || node.src[1].refs[0].is_constant());
+          const bool constant =
+              node.sources == 2 && (node.src[0].refs[0].is_constant() || node.src[1].refs[0].is_constant());
           if (vm::info(node.op).pipe == vm::Pipe::Either) name += constant ? "sc" : "s";
           if (second_slot) name += "_prev";
         }
@@ -91,15 +104,23 @@ class RowWriter {
           c = location.component[ref.component];
           break;
         }
-        case Ref::Kind::Input: name = fmt::format("r{}", map_.input_gpr[ref.index]); break;
-        case Ref::Kind::Home: name = fmt::format("r{}", map_.home_gpr[ref.index]); break;
-        case Ref::Kind::Counter: name = "aL"; break;
+        case Ref::Kind::Input:
+          name = fmt::format("r{}", map_.input_gpr[ref.index]);
+          break;
+        case Ref::Kind::Home:
+          name = fmt::format("r{}", map_.home_gpr[ref.index]);
+          break;
+        case Ref::Kind::Counter:
+          name = "aL";
+          break;
         case Ref::Kind::Constant:
           name = fmt::format("{}{}", ref.file == vm::RegisterFile::Uniform ? "c" : "l", ref.index);
           if (ref.relative.base == vm::RelativeBase::Temp) name += "[a0]";
           if (ref.relative.base == vm::RelativeBase::LoopCounter) name += "[aL]";
           break;
-        case Ref::Kind::Literal: name += (name.empty() ? "(" : ", ") + fmt::format("{:.6g}", ref.value); break;
+        case Ref::Kind::Literal:
+          name += (name.empty() ? "(" : ", ") + fmt::format("{:.6g}", ref.value);
+          break;
       }
       if (ref.kind != Ref::Kind::Literal && ref.kind != Ref::Kind::Counter) swizzle += kComponents[c];
     }
@@ -116,12 +137,14 @@ class RowWriter {
 
 int clause_of(const BlockSchedule& schedule, int issue) {
   if (schedule.export_start <= 0 || issue < schedule.export_start) return issue / kClauseIssues;
-  return (schedule.export_start + kClauseIssues - 1) / kClauseIssues + (issue - schedule.export_start) / kClauseIssues;
+  return (schedule.export_start + kClauseIssues - 1) / kClauseIssues +
+         (issue - schedule.export_start) / kClauseIssues;
 }
 
 }  // namespace
 
-std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, const ScheduledBlock& block, const RegisterMap& map) {
+std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, const ScheduledBlock& block,
+                                   const RegisterMap& map) {
   const RowWriter writer(program, block, map);
   std::vector<ListingRow> rows;
   std::set<std::uint32_t> counted;  // slots belong to the program's instruction, once
@@ -149,7 +172,8 @@ std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, 
   return rows;
 }
 
-std::vector<ListingRow> program_rows(const vm::Program& program, int block_index, const Graph& graph, int node, int word, const std::string& unit) {
+std::vector<ListingRow> program_rows(const vm::Program& program, int block_index, const Graph& graph,
+                                     int node, int word, const std::string& unit) {
   const Node& operation = graph.nodes[static_cast<std::size_t>(node)];
   ListingRow row;
   row.block = block_index;

@@ -8,9 +8,11 @@
 
 namespace aluminate::cost {
 
-std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, const ScheduledBlock& block, const RegisterMap& map);
+std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, const ScheduledBlock& block,
+                                   const RegisterMap& map);
 
 /// Rows of a first-fit model: unit names, and the operations as the program writes them.
-std::vector<ListingRow> program_rows(const vm::Program& program, int block_index, const Graph& graph, int node, int word, const std::string& unit);
+std::vector<ListingRow> program_rows(const vm::Program& program, int block_index, const Graph& graph,
+                                     int node, int word, const std::string& unit);
 
 }  // namespace aluminate::cost

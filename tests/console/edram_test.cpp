@@ -31,7 +31,8 @@ int tiles(const std::vector<console::SurfaceShape>& surfaces) {
 struct Column {
   int width, height, samples;
 };
-constexpr Column kColumns[] = {{1280, 720, 1}, {1280, 720, 2}, {1280, 720, 4}, {1152, 720, 1}, {1280, 672, 1}, {1024, 600, 1}, {1024, 576, 2}};
+constexpr Column kColumns[] = {{1280, 720, 1}, {1280, 720, 2}, {1280, 720, 4}, {1152, 720, 1},
+                               {1280, 672, 1}, {1024, 600, 1}, {1024, 576, 2}};
 
 TEST(Edram, HoldsTenMebibytesOf80x16Tiles) { EXPECT_EQ(console::edram_capacity_tiles(xenos()), 2048); }
 
@@ -41,17 +42,16 @@ TEST(Edram, PassesMatchTheTable) {
     int passes[7];
   };
   constexpr Row kRows[] = {
-      {1, 32, {1, 2, 3, 1, 1, 1, 1}},
-      {1, 64, {2, 3, 5, 1, 1, 1, 2}},
-      {2, 32, {2, 3, 5, 1, 1, 1, 2}},
-      {3, 32, {2, 3, 6, 2, 2, 1, 2}},
-      {4, 32, {2, 4, 8, 2, 2, 2, 3}},
+      {1, 32, {1, 2, 3, 1, 1, 1, 1}}, {1, 64, {2, 3, 5, 1, 1, 1, 2}}, {2, 32, {2, 3, 5, 1, 1, 1, 2}},
+      {3, 32, {2, 3, 6, 2, 2, 1, 2}}, {4, 32, {2, 4, 8, 2, 2, 2, 3}},
   };
   for (const Row& row : kRows) {
     for (std::size_t c = 0; c < 7; ++c) {
-      const auto surfaces = targets(row.targets, row.bits, kColumns[c].width, kColumns[c].height, kColumns[c].samples);
+      const auto surfaces =
+          targets(row.targets, row.bits, kColumns[c].width, kColumns[c].height, kColumns[c].samples);
       EXPECT_EQ(console::tiling_passes(xenos(), surfaces), row.passes[c])
-          << row.targets << " x " << row.bits << " at " << kColumns[c].width << "x" << kColumns[c].height << " " << kColumns[c].samples << "x";
+          << row.targets << " x " << row.bits << " at " << kColumns[c].width << "x" << kColumns[c].height
+          << " " << kColumns[c].samples << "x";
     }
   }
 }

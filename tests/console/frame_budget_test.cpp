@@ -1,4 +1,5 @@
-// Milliseconds from counted work: each unit by hand, the slowest unit, the sum, the verdict and what could flip it.
+// Milliseconds from counted work: each unit by hand, the slowest unit, the sum, the verdict and what could
+// flip it.
 #include "platform/console/frame_budget.hpp"
 #include "platform/console/occupancy.hpp"
 #include "platform/console/platform_file.hpp"
@@ -24,11 +25,13 @@ constexpr double kFramePixels = 1280.0 * 720.0;
 // Sums of a few doubles: one part in 1e12 is many times their rounding.
 void expect_close(double a, double b) { EXPECT_NEAR(a, b, 1e-12 * std::max(1.0, std::abs(b))); }
 
-double peak(const PassWork& work, Unit unit) { return console::price_pass(xenos(), work).peak_ms[static_cast<std::size_t>(unit)]; }
+double peak(const PassWork& work, Unit unit) {
+  return console::price_pass(xenos(), work).peak_ms[static_cast<std::size_t>(unit)];
+}
 
 TEST(FrameBudget, UnitCostsOfAFullFrameMatchTheTable) {
   PassWork word{.name = "word", .pixels = kFramePixels, .alu_words = kFramePixels};
-  EXPECT_NEAR(peak(word, Unit::Alu), 0.0384, 5e-5);          // table prints four digits
+  EXPECT_NEAR(peak(word, Unit::Alu), 0.0384, 5e-5);  // table prints four digits
   PassWork fetch{.name = "fetch", .pixels = kFramePixels, .fetches = kFramePixels, .fetch_cyc = kFramePixels};
   EXPECT_NEAR(peak(fetch, Unit::Texture), 0.1152, 5e-5);
   PassWork layer{.name = "layer", .rop = {{kFramePixels}}};
@@ -61,17 +64,22 @@ TEST(FrameBudget, RopRatesFollowFormatBlendAndSamples) {
 }
 
 TEST(FrameBudget, ThreadsFollowThePrintedSamples) {
-  const std::pair<int, int> pixel[] = {{1, 63}, {2, 63}, {3, 63}, {5, 36}, {6, 30}, {7, 27}, {14, 12}, {25, 6}};
-  for (const auto& [gprs, threads] : pixel) EXPECT_EQ(console::threads_in_flight(xenos(), gprs, false), threads) << gprs;
+  const std::pair<int, int> pixel[] = {{1, 63}, {2, 63}, {3, 63},  {5, 36},
+                                       {6, 30}, {7, 27}, {14, 12}, {25, 6}};
+  for (const auto& [gprs, threads] : pixel)
+    EXPECT_EQ(console::threads_in_flight(xenos(), gprs, false), threads) << gprs;
   const std::pair<int, int> vertex[] = {{4, 31}, {9, 21}, {13, 12}};
-  for (const auto& [gprs, threads] : vertex) EXPECT_EQ(console::threads_in_flight(xenos(), gprs, true), threads) << gprs;
+  for (const auto& [gprs, threads] : vertex)
+    EXPECT_EQ(console::threads_in_flight(xenos(), gprs, true), threads) << gprs;
 }
 
 TEST(FrameBudget, WavesOfTheLaterConsolesFollowTheirTable) {
   const console::GpuModel gpu = console::load_platform("liverpool");
   // vec4 registers = VGPRs / 4
-  const std::pair<int, int> waves[] = {{6, 10}, {7, 9}, {8, 8}, {9, 7}, {10, 6}, {12, 5}, {16, 4}, {21, 3}, {32, 2}};
-  for (const auto& [gprs, count] : waves) EXPECT_EQ(console::threads_in_flight(gpu, gprs, false), count) << gprs;
+  const std::pair<int, int> waves[] = {{6, 10}, {7, 9},  {8, 8},  {9, 7}, {10, 6},
+                                       {12, 5}, {16, 4}, {21, 3}, {32, 2}};
+  for (const auto& [gprs, count] : waves)
+    EXPECT_EQ(console::threads_in_flight(gpu, gprs, false), count) << gprs;
 }
 
 TEST(FrameBudget, PassTakesItsSlowestUnitAndFrameTheSum) {
@@ -82,7 +90,8 @@ TEST(FrameBudget, PassTakesItsSlowestUnitAndFrameTheSum) {
   EXPECT_EQ(budget.passes[0].bound, Unit::Alu);
   EXPECT_EQ(budget.passes[1].bound, Unit::Rop);
   expect_close(budget.peak_ms, 100 * kFramePixels / 48 / 500000 + 4 * kFramePixels / 8 / 500000);
-  expect_close(budget.derated_ms, 100 * kFramePixels / 48 / 500000 / 0.95 + 4 * kFramePixels / 8 / 500000 / 0.9);
+  expect_close(budget.derated_ms,
+               100 * kFramePixels / 48 / 500000 / 0.95 + 4 * kFramePixels / 8 / 500000 / 0.9);
   expect_close(budget.budget_ms, 1000.0 / 30);
   EXPECT_TRUE(budget.fits);
   EXPECT_EQ(budget.verdict, console::Verdict::Fits);
@@ -105,7 +114,8 @@ TEST(FrameBudget, VertexWorkSharesUnifiedAlusAndRepeatsWithTiling) {
   expect_close(peak(thrice, Unit::Setup), 3 * peak(once, Unit::Setup));
   expect_close(peak(once, Unit::Alu), 64000 / 500000.0);
   const console::GpuModel rsx = console::load_platform("rsx");
-  EXPECT_EQ(console::price_pass(rsx, once).peak_ms[static_cast<std::size_t>(Unit::Alu)], 0);  // own vertex pipes
+  EXPECT_EQ(console::price_pass(rsx, once).peak_ms[static_cast<std::size_t>(Unit::Alu)],
+            0);  // own vertex pipes
 }
 
 TEST(FrameBudget, VerdictIsInconclusiveExactlyWhenAnUncertainFigureFlipsIt) {
@@ -113,8 +123,10 @@ TEST(FrameBudget, VerdictIsInconclusiveExactlyWhenAnUncertainFigureFlipsIt) {
   PassWork work{.name = "fetching", .fetch_cyc = kFramePixels * 200};
   const double at_peak = console::price_pass(xenos(), work).peak;
   const std::vector<PassWork> passes = {work};
-  for (const auto& [budget_ms, verdict] : {std::pair{at_peak * 0.99, console::Verdict::Over}, std::pair{at_peak * 1.1, console::Verdict::Inconclusive},
-                                           std::pair{at_peak * 1.5, console::Verdict::Inconclusive}, std::pair{at_peak * 1.7, console::Verdict::Fits}}) {
+  for (const auto& [budget_ms, verdict] : {std::pair{at_peak * 0.99, console::Verdict::Over},
+                                           std::pair{at_peak * 1.1, console::Verdict::Inconclusive},
+                                           std::pair{at_peak * 1.5, console::Verdict::Inconclusive},
+                                           std::pair{at_peak * 1.7, console::Verdict::Fits}}) {
     const console::FrameBudget budget = console::price_frame(xenos(), passes, budget_ms);
     EXPECT_EQ(budget.verdict, verdict) << budget.sentence;
     ASSERT_EQ(budget.sensitivity.size(), 1u);  // no other uncertain figure moves this frame
@@ -130,8 +142,14 @@ TEST(FrameBudget, ImpossibleCountsAreABug) {
 }
 
 TEST(FrameBudget, ReportFits100ColumnsAndCarriesUnits) {
-  const std::vector<PassWork> passes = {{.name = "a pass with a long name indeed", .alu_words = 1e9, .fetch_cyc = 1e8, .vertices = 1e5,
-                                         .triangles = 1e6, .resolve_pixels = 1e6, .rop = {{1e7}}, .bytes = {{"all", 1e8}}}};
+  const std::vector<PassWork> passes = {{.name = "a pass with a long name indeed",
+                                         .alu_words = 1e9,
+                                         .fetch_cyc = 1e8,
+                                         .vertices = 1e5,
+                                         .triangles = 1e6,
+                                         .resolve_pixels = 1e6,
+                                         .rop = {{1e7}},
+                                         .bytes = {{"all", 1e8}}}};
   const std::string text = console::format_budget(console::price_frame(xenos(), passes));
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;

@@ -30,7 +30,8 @@ TEST(PlatformFiles, EachLoadsUnderItsOwnNameAndIsSourced) {
       EXPECT_FALSE(figure.confidence == console::Confidence::Doc && figure.has_range());
     }
   }
-  for (const char* id : {"xenos", "rsx", "rsx-announced", "latte", "durango", "liverpool", "mali-400"}) EXPECT_TRUE(ids.contains(id)) << id;
+  for (const char* id : {"xenos", "rsx", "rsx-announced", "latte", "durango", "liverpool", "mali-400"})
+    EXPECT_TRUE(ids.contains(id)) << id;
 }
 
 TEST(PlatformFiles, EverySourceKeyIsInTheReferences) {
@@ -42,7 +43,8 @@ TEST(PlatformFiles, EverySourceKeyIsInTheReferences) {
     for (const FigureField& field : console::figure_fields()) {
       const console::Figure& figure = field.of(gpu);
       if (!figure.present) continue;
-      EXPECT_NE(text.str().find("[" + figure.source + "]"), std::string::npos) << gpu.id << " " << field.table << "." << field.key << ": " << figure.source;
+      EXPECT_NE(text.str().find("[" + figure.source + "]"), std::string::npos)
+          << gpu.id << " " << field.table << "." << field.key << ": " << figure.source;
     }
   }
 }
@@ -53,10 +55,14 @@ TEST(PlatformFiles, DocumentShowsThemAsTheyAre) {
   text << file.rdbuf();
   for (const console::PlatformEntry& entry : console::builtin_platforms()) {
     const std::string table = console::format_platform(console::load_platform(std::string(entry.id)));
-    EXPECT_NE(text.str().find(table), std::string::npos) << "docs/cost_model.md section 7, " << entry.id << " must read:\n" << table;
+    EXPECT_NE(text.str().find(table), std::string::npos)
+        << "docs/cost_model.md section 7, " << entry.id << " must read:\n"
+        << table;
   }
   for (const FigureField& field : console::figure_fields()) {
-    EXPECT_NE(text.str().find("`" + std::string(field.table) + "." + std::string(field.key) + "`"), std::string::npos) << field.key;
+    EXPECT_NE(text.str().find("`" + std::string(field.table) + "." + std::string(field.key) + "`"),
+              std::string::npos)
+        << field.key;
   }
 }
 
@@ -89,41 +95,59 @@ std::string xenos_text() {
 /// Line (from 1) of the first occurrence of `text`.
 int line_of(const std::string& file, const std::string& text) {
   const auto at = file.find(text);
-  return at == std::string::npos ? -1 : 1 + static_cast<int>(std::count(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  return at == std::string::npos
+             ? -1
+             : 1 + static_cast<int>(
+                       std::count(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
 }
 
 struct Damage {
   const char* name;
-  const char* original;     // replaced in xenos.toml
+  const char* original;  // replaced in xenos.toml
   const char* replacement;
-  const char* where;        // text whose line the error must name; "" = a missing thing, any line will do
-  const char* phrase;       // in the message
+  const char* where;   // text whose line the error must name; "" = a missing thing, any line will do
+  const char* phrase;  // in the message
 };
 
 const Damage kDamages[] = {
     {"UnknownTable", "[texture]", "[textures]", "[textures]", "unknown key 'textures'"},
-    {"UnknownKey", "trilinear_cyc    = ", "trilinaer_cyc    = ", "trilinaer_cyc", "unknown key 'trilinaer_cyc'"},
+    {"UnknownKey", "trilinear_cyc    = ", "trilinaer_cyc    = ", "trilinaer_cyc",
+     "unknown key 'trilinaer_cyc'"},
     {"UnknownField", "core_mhz = { value", "core_mhz = { vale", "core_mhz", "unknown key 'vale'"},
-    {"MissingKey", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\" }", "", "[clock]", "'core_mhz' is missing"},
+    {"MissingKey", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\" }", "", "[clock]",
+     "'core_mhz' is missing"},
     {"MissingId", "id = \"xenos\"", "", "", "'id' is missing"},
-    {"MissingSource", "core_mhz = { value = 500, source = \"MS04\", ", "core_mhz = { value = 500, ", "core_mhz", "'source' is missing"},
-    {"EmptySource", "core_mhz = { value = 500, source = \"MS04\"", "core_mhz = { value = 500, source = \"\"", "core_mhz", "must not be empty"},
-    {"MissingConfidence", "source = \"MS04\", confidence = \"doc\" }\n\n[target]", "source = \"MS04\" }\n\n[target]", "core_mhz", "'confidence' is missing"},
-    {"UnknownConfidence", "source = \"MS04\", confidence = \"doc\" }\n\n[target]", "source = \"MS04\", confidence = \"sure\" }\n\n[target]", "core_mhz", "unknown confidence 'sure'"},
+    {"MissingSource", "core_mhz = { value = 500, source = \"MS04\", ", "core_mhz = { value = 500, ",
+     "core_mhz", "'source' is missing"},
+    {"EmptySource", "core_mhz = { value = 500, source = \"MS04\"", "core_mhz = { value = 500, source = \"\"",
+     "core_mhz", "must not be empty"},
+    {"MissingConfidence", "source = \"MS04\", confidence = \"doc\" }\n\n[target]",
+     "source = \"MS04\" }\n\n[target]", "core_mhz", "'confidence' is missing"},
+    {"UnknownConfidence", "source = \"MS04\", confidence = \"doc\" }\n\n[target]",
+     "source = \"MS04\", confidence = \"sure\" }\n\n[target]", "core_mhz", "unknown confidence 'sure'"},
     {"Negative", "core_mhz = { value = 500", "core_mhz = { value = -500", "core_mhz", "negative"},
-    {"ClockInHertz", "core_mhz = { value = 500", "core_mhz = { value = 500000000", "core_mhz", "out of limits"},
-    {"EfficiencyInPerCent", "efficiency    = { value = 0.95", "efficiency    = { value = 95", "value = 95", "out of limits"},
-    {"ZeroRate", "bilinear_per_clk = { value = 16", "bilinear_per_clk = { value = 0", "bilinear_per_clk", "out of limits"},
+    {"ClockInHertz", "core_mhz = { value = 500", "core_mhz = { value = 500000000", "core_mhz",
+     "out of limits"},
+    {"EfficiencyInPerCent", "efficiency    = { value = 0.95", "efficiency    = { value = 95", "value = 95",
+     "out of limits"},
+    {"ZeroRate", "bilinear_per_clk = { value = 16", "bilinear_per_clk = { value = 0", "bilinear_per_clk",
+     "out of limits"},
     {"NotANumber", "core_mhz = { value = 500", "core_mhz = { value = nan", "core_mhz", "finite"},
     {"Infinite", "core_mhz = { value = 500", "core_mhz = { value = inf", "core_mhz", "finite"},
-    {"TextForNumber", "core_mhz = { value = 500", "core_mhz = { value = \"500\"", "core_mhz", "must be a number, found a string"},
-    {"BareNumber", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\" }", "core_mhz = 500", "core_mhz", "must carry its source"},
+    {"TextForNumber", "core_mhz = { value = 500", "core_mhz = { value = \"500\"", "core_mhz",
+     "must be a number, found a string"},
+    {"BareNumber", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\" }", "core_mhz = 500",
+     "core_mhz", "must carry its source"},
     {"ArrayForTable", "[setup]", "[[setup]]", "[[setup]]", "must be a table, found an array"},
-    {"FractionOfAPixel", "width_px  = { value = 1280", "width_px  = { value = 1280.5", "width_px", "must be whole"},
-    {"RangeOnDocumented", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\" }", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\", low = 400, high = 600 }", "core_mhz", "documented but has a range"},
+    {"FractionOfAPixel", "width_px  = { value = 1280", "width_px  = { value = 1280.5", "width_px",
+     "must be whole"},
+    {"RangeOnDocumented", "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\" }",
+     "core_mhz = { value = 500, source = \"MS04\", confidence = \"doc\", low = 400, high = 600 }", "core_mhz",
+     "documented but has a range"},
     {"RangeBackwards", "low = 0.8, high = 1.0", "low = 1.0, high = 0.8", "low = 1.0", "low <= value <= high"},
     {"HalfARange", "low = 0.8, high = 1.0", "low = 0.8", "low = 0.8", "'high' is missing"},
-    {"UnknownAluModel", "alu_model = \"vec4+scalar\"", "alu_model = \"vec5\"", "alu_model", "unknown alu_model 'vec5'"},
+    {"UnknownAluModel", "alu_model = \"vec4+scalar\"", "alu_model = \"vec5\"", "alu_model",
+     "unknown alu_model 'vec5'"},
     {"YearAsText", "year = 2005", "year = \"2005\"", "year", "'year' must be an integer"},
     {"AbsurdYear", "year = 2005", "year = 20005", "year", "outside 1970..2100"},
     {"NotToml", "[clock]", "[clock", "[clock", "not valid TOML"},
@@ -154,7 +178,8 @@ TEST_P(DamagedPlatform, IsRefusedAtItsLine) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(PlatformFiles, DamagedPlatform, ::testing::ValuesIn(kDamages), [](const auto& damage) { return std::string(damage.param.name); });
+INSTANTIATE_TEST_SUITE_P(PlatformFiles, DamagedPlatform, ::testing::ValuesIn(kDamages),
+                         [](const auto& damage) { return std::string(damage.param.name); });
 
 TEST(PlatformFiles, MisspeltKeyGetsASuggestion) {
   std::string text = xenos_text();

@@ -1,7 +1,7 @@
 // The printed forms: documented keys, units and conventions beside the figures, 100 columns.
+#include "shading/cost/listing.hpp"
 #include "platform/console/platform_file.hpp"
 #include "platform/host/error.hpp"
-#include "shading/cost/listing.hpp"
 #include "tests/cost/program_builder.hpp"
 
 #include <gtest/gtest.h>
@@ -40,8 +40,9 @@ cost::StaticCost lit_cost(const char* platform = "xenos") {
 TEST(CostFormats, JsonHasTheDocumentedKeysInOrder) {
   const auto document = nlohmann::ordered_json::parse(cost::format_cost({lit_cost()}, cost::Format::Json));
   const auto& program = document.at("programs").at(0);
-  const std::vector<std::string> documented = {"name", "platform", "alu_words", "alu_slots", "vector_ops", "scalar_ops", "fetches", "fetch_cyc",
-                                               "interpolators", "gprs", "threads", "cycles", "bound", "per_light"};
+  const std::vector<std::string> documented = {
+      "name",      "platform",      "alu_words", "alu_slots", "vector_ops", "scalar_ops", "fetches",
+      "fetch_cyc", "interpolators", "gprs",      "threads",   "cycles",     "bound",      "per_light"};
   std::size_t i = 0;
   for (const auto& [key, value] : program.items()) {
     if (i < documented.size()) {
@@ -72,15 +73,17 @@ TEST(CostFormats, NoTextLineIsWiderThan100Columns) {
 
 TEST(CostFormats, ConventionStandsBesideTheFigure) {
   const std::string text = cost::format_cost({lit_cost()}, cost::Format::Text);
-  for (const char* phrase : {"clocks for 64 pixels", "ps_3_0 slots", "vec4+scalar word", "rolled loop, ps_3_0 slots, nothing hoisted", "bilinear"}) {
+  for (const char* phrase : {"clocks for 64 pixels", "ps_3_0 slots", "vec4+scalar word",
+                             "rolled loop, ps_3_0 slots, nothing hoisted", "bilinear"}) {
     EXPECT_NE(text.find(phrase), std::string::npos) << phrase << "\n" << text;
   }
 }
 
 TEST(CostFormats, PeriodCommentHasItsShape) {
   const std::string text = cost::format_cost({lit_cost()}, cost::Format::Fxc360);
-  for (const char* phrase : {"Shader Timing Estimate, in Cycles/64 pixel vector:", "// ALU: ", " instructions), vertex: 0, texture: 4,",
-                             "Performance (if enough threads): ~", "threads,"}) {
+  for (const char* phrase :
+       {"Shader Timing Estimate, in Cycles/64 pixel vector:", "// ALU: ",
+        " instructions), vertex: 0, texture: 4,", "Performance (if enough threads): ~", "threads,"}) {
     EXPECT_NE(text.find(phrase), std::string::npos) << phrase << "\n" << text;
   }
 }
@@ -88,7 +91,8 @@ TEST(CostFormats, PeriodCommentHasItsShape) {
 TEST(CostFormats, TsvHasOneRowForEachProgramAndEqualColumns) {
   std::istringstream lines(cost::format_cost({lit_cost(), lit_cost("rsx")}, cost::Format::Tsv));
   std::vector<std::size_t> tabs;
-  for (std::string line; std::getline(lines, line);) tabs.push_back(static_cast<std::size_t>(std::count(line.begin(), line.end(), '\t')));
+  for (std::string line; std::getline(lines, line);)
+    tabs.push_back(static_cast<std::size_t>(std::count(line.begin(), line.end(), '\t')));
   ASSERT_EQ(tabs.size(), 3u);
   EXPECT_EQ(tabs[0], tabs[1]);
   EXPECT_EQ(tabs[0], tabs[2]);

@@ -1,5 +1,5 @@
-// Two ways to run one lane in doubles: the program as written, and its scheduled words on physical registers. They must
-// agree, or lowering, scheduling or register assignment changed the meaning.
+// Two ways to run one lane in doubles: the program as written, and its scheduled words on physical registers.
+// They must agree, or lowering, scheduling or register assignment changed the meaning.
 #pragma once
 
 #include "shading/cost/xenos_program.hpp"
@@ -24,6 +24,7 @@ struct LaneResult {
 inline constexpr double kUnwritten = -12345.0;
 
 LaneResult run_program(const vm::Program& program, const LaneInput& input);
-LaneResult run_schedule(const vm::Program& program, const cost::ScheduledProgram& scheduled, const LaneInput& input);
+LaneResult run_schedule(const vm::Program& program, const cost::ScheduledProgram& scheduled,
+                        const LaneInput& input);
 
 }  // namespace aluminate::test

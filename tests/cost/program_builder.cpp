@@ -10,11 +10,20 @@ using namespace vm;
 
 std::uint8_t component(char c) {
   switch (c) {
-    case 'x': case 'r': return 0;
-    case 'y': case 'g': return 1;
-    case 'z': case 'b': return 2;
-    case 'w': case 'a': return 3;
-    default: throw std::runtime_error(std::string("component ") + c);
+    case 'x':
+    case 'r':
+      return 0;
+    case 'y':
+    case 'g':
+      return 1;
+    case 'z':
+    case 'b':
+      return 2;
+    case 'w':
+    case 'a':
+      return 3;
+    default:
+      throw std::runtime_error(std::string("component ") + c);
   }
 }
 
@@ -32,12 +41,23 @@ Register register_of(std::string word) {
     word.resize(dot);
   }
   switch (word.at(0)) {
-    case 'r': reg.file = RegisterFile::Temp; break;
-    case 'v': reg.file = RegisterFile::Input; break;
-    case 'o': reg.file = RegisterFile::Output; break;
-    case 'c': reg.file = RegisterFile::Uniform; break;
-    case 'l': reg.file = RegisterFile::Literal; break;
-    default: throw std::runtime_error("register " + word);
+    case 'r':
+      reg.file = RegisterFile::Temp;
+      break;
+    case 'v':
+      reg.file = RegisterFile::Input;
+      break;
+    case 'o':
+      reg.file = RegisterFile::Output;
+      break;
+    case 'c':
+      reg.file = RegisterFile::Uniform;
+      break;
+    case 'l':
+      reg.file = RegisterFile::Literal;
+      break;
+    default:
+      throw std::runtime_error("register " + word);
   }
   reg.index = static_cast<std::uint16_t>(std::stoi(word.substr(1)));
   return reg;
@@ -57,7 +77,8 @@ Source source_of(std::string word) {
   source.file = reg.file;
   source.index = reg.index;
   if (!reg.swizzle.empty()) {
-    for (std::size_t i = 0; i < 4; ++i) source.swizzle[i] = component(reg.swizzle[std::min(i, reg.swizzle.size() - 1)]);
+    for (std::size_t i = 0; i < 4; ++i)
+      source.swizzle[i] = component(reg.swizzle[std::min(i, reg.swizzle.size() - 1)]);
   }
   return source;
 }
@@ -87,8 +108,10 @@ Program program_from_text(const std::string& text, const std::string& name) {
       words >> semantic >> mask;
       std::uint8_t bits = 0;
       for (char c : mask) bits |= static_cast<std::uint8_t>(1 << component(c));
-      if (word == "in") program.inputs.push_back({semantic, bits});
-      else program.outputs.push_back({semantic, bits});
+      if (word == "in")
+        program.inputs.push_back({semantic, bits});
+      else
+        program.outputs.push_back({semantic, bits});
       continue;
     }
     if (word == "uniform") {
@@ -102,7 +125,9 @@ Program program_from_text(const std::string& text, const std::string& name) {
       SamplerSymbol symbol;
       std::string kind;
       words >> symbol.name >> kind;
-      symbol.dimension = kind == "cube" ? SamplerDimension::TexCube : kind == "3d" ? SamplerDimension::Tex3D : SamplerDimension::Tex2D;
+      symbol.dimension = kind == "cube" ? SamplerDimension::TexCube
+                         : kind == "3d" ? SamplerDimension::Tex3D
+                                        : SamplerDimension::Tex2D;
       program.samplers.push_back(symbol);
       continue;
     }

@@ -10,7 +10,8 @@
 
 namespace aluminate::test {
 
-/// Throws std::runtime_error naming the line it cannot read. The result is valid: vm::validate is called on it.
+/// Throws std::runtime_error naming the line it cannot read. The result is valid: vm::validate is called on
+/// it.
 vm::Program program_from_text(const std::string& text, const std::string& name = "test");
 
 }  // namespace aluminate::test

@@ -34,7 +34,9 @@ class Generator {
     program_.uniforms.push_back({"u", 0, 8, 4});
     for (int i = 0; i < 3; ++i) program_.literals.push_back({0.5 * i, 2.0, -1.0 + i, 0.25});
     program_.literals.push_back({0.0, 1.0, 2.0, 3.0});
-    program_.samplers = {{"flat", SamplerDimension::Tex2D, false}, {"cube", SamplerDimension::TexCube, false}, {"volume", SamplerDimension::Tex3D, false}};
+    program_.samplers = {{"flat", SamplerDimension::Tex2D, false},
+                         {"cube", SamplerDimension::TexCube, false},
+                         {"volume", SamplerDimension::Tex3D, false}};
     const int outputs = 1 + dice_.below(3) / 2;
     for (int i = 0; i < outputs; ++i) program_.outputs.push_back({"COLOR" + std::to_string(i), 0xf});
     program_.temp_count = kTemps;
@@ -86,7 +88,8 @@ class Generator {
     Source source;
     const bool uniform = dice_.chance(50);
     source.file = uniform ? RegisterFile::Uniform : RegisterFile::Literal;
-    source.index = static_cast<std::uint16_t>(dice_.below(uniform ? 4 : static_cast<int>(program_.literals.size())));
+    source.index =
+        static_cast<std::uint16_t>(dice_.below(uniform ? 4 : static_cast<int>(program_.literals.size())));
     swizzle(source);
     if (uniform && shape_.relative && dice_.chance(30)) {
       source.index = 0;
@@ -171,7 +174,9 @@ class Generator {
       for (int s = 0; s < known.sources; ++s) made.src[static_cast<std::size_t>(s)] = any_source();
       if (known.pipe == Pipe::Fetch) made.sampler = static_cast<std::uint8_t>(dice_.below(3));
       const bool kill = known.mnemonic.starts_with("kill");
-      if (!kill) made.dst = {RegisterFile::Temp, static_cast<std::uint16_t>(dice_.below(kTemps)), static_cast<std::uint8_t>(1 + dice_.below(15))};
+      if (!kill)
+        made.dst = {RegisterFile::Temp, static_cast<std::uint16_t>(dice_.below(kTemps)),
+                    static_cast<std::uint8_t>(1 + dice_.below(15))};
       made.saturate = !kill && known.pipe != Pipe::Fetch && dice_.chance(25);
       program_.code.push_back(made);
       return;

@@ -1,4 +1,5 @@
-// Valid programs from a seed: every operation, every source modifier, fetches of every dimension, branches and loops.
+// Valid programs from a seed: every operation, every source modifier, fetches of every dimension, branches
+// and loops.
 #pragma once
 
 #include "shading/vm/program.hpp"
@@ -9,7 +10,7 @@ namespace aluminate::test {
 
 struct RandomShape {
   int instructions = 40;
-  bool flow = false;      // If/Else, counted loops, Break
+  bool flow = false;  // If/Else, counted loops, Break
   bool fetches = true;
   bool relative = false;  // constants addressed by a temp or the loop counter
 };

@@ -1,4 +1,5 @@
-// Random programs: every schedule is legal, computes what the program computes, and is not shorter than its bound.
+// Random programs: every schedule is legal, computes what the program computes, and is not shorter than its
+// bound.
 #include "shading/cost/legality.hpp"
 #include "shading/cost/xenos_program.hpp"
 #include "tests/cost/machine.hpp"
@@ -23,15 +24,20 @@ RandomShape shape_of(std::uint32_t seed) {
 
 LaneInput lane_input(std::uint32_t seed) {
   LaneInput input;
-  const auto value = [&](std::uint32_t i) { return static_cast<double>((seed * 7919u + i * 104729u) % 2001u) / 500.0 - 2.0; };
-  for (std::uint32_t v = 0; v < 4; ++v) input.inputs.push_back({value(v * 4), value(v * 4 + 1), value(v * 4 + 2), value(v * 4 + 3)});
-  for (std::uint32_t u = 0; u < 8; ++u) input.uniforms.push_back({value(50 + u * 4), value(51 + u * 4), value(52 + u * 4), value(53 + u * 4)});
+  const auto value = [&](std::uint32_t i) {
+    return static_cast<double>((seed * 7919u + i * 104729u) % 2001u) / 500.0 - 2.0;
+  };
+  for (std::uint32_t v = 0; v < 4; ++v)
+    input.inputs.push_back({value(v * 4), value(v * 4 + 1), value(v * 4 + 2), value(v * 4 + 3)});
+  for (std::uint32_t u = 0; u < 8; ++u)
+    input.uniforms.push_back({value(50 + u * 4), value(51 + u * 4), value(52 + u * 4), value(53 + u * 4)});
   return input;
 }
 
 std::string listing_of(const vm::Program& program) {
   std::string text;
-  for (const vm::Instruction& instruction : program.code) text += vm::disassemble(program, instruction) + "\n";
+  for (const vm::Instruction& instruction : program.code)
+    text += vm::disassemble(program, instruction) + "\n";
   return text;
 }
 
@@ -60,9 +66,12 @@ TEST(XenosSchedule, ComputesWhatTheProgramComputes) {
     EXPECT_EQ(got.kills, want.kills) << "seed " << seed;
     for (std::size_t o = 0; o < want.outputs.size(); ++o) {
       for (std::size_t c = 0; c < 4; ++c) {
-        // Only rsq-to-sqrt folding regroups arithmetic; everything else is the same doubles in the same order.
+        // Only rsq-to-sqrt folding regroups arithmetic; everything else is the same doubles in the same
+        // order.
         const double tolerance = 1e-9 * std::max(1.0, std::abs(want.outputs[o][c]));
-        ASSERT_NEAR(got.outputs[o][c], want.outputs[o][c], tolerance) << "seed " << seed << " o" << o << "." << "xyzw"[c] << "\n" << listing_of(program);
+        ASSERT_NEAR(got.outputs[o][c], want.outputs[o][c], tolerance) << "seed " << seed << " o" << o << "."
+                                                                      << "xyzw"[c] << "\n"
+                                                                      << listing_of(program);
         ++compared;
       }
     }
@@ -74,7 +83,8 @@ TEST(XenosSchedule, NeverBeatsItsBound) {
   double words = 0, bound = 0;
   for (std::uint32_t seed = 0; seed < kPrograms; ++seed) {
     const vm::Program program = random_program(seed, shape_of(seed));
-    for (const cost::ScheduledBlock& block : cost::schedule_program(program, cost::PairingRule::Strict).scheduled) {
+    for (const cost::ScheduledBlock& block :
+         cost::schedule_program(program, cost::PairingRule::Strict).scheduled) {
       ASSERT_GE(block.schedule.words, block.schedule.bound_words) << "seed " << seed;
       words += block.schedule.words;
       bound += block.schedule.bound_words;
@@ -87,7 +97,8 @@ TEST(XenosSchedule, NeverBeatsItsBound) {
 TEST(XenosSchedule, IsDeterministic) {
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
     const vm::Program program = random_program(seed, shape_of(seed));
-    const cost::ScheduledProgram a = cost::schedule_program(program, cost::PairingRule::Strict), b = cost::schedule_program(program, cost::PairingRule::Strict);
+    const cost::ScheduledProgram a = cost::schedule_program(program, cost::PairingRule::Strict),
+                                 b = cost::schedule_program(program, cost::PairingRule::Strict);
     ASSERT_EQ(a.registers.gprs, b.registers.gprs);
     for (std::size_t i = 0; i < a.scheduled.size(); ++i) {
       ASSERT_EQ(a.scheduled[i].schedule.issues.size(), b.scheduled[i].schedule.issues.size());
@@ -120,9 +131,12 @@ mul o0, r2.xyzx, r3.x
     change(bad.scheduled[0]);
     return !cost::broken_rules(program, bad, cost::PairingRule::Strict).empty();
   };
-  EXPECT_TRUE(damaged([](cost::ScheduledBlock& block) { std::swap(block.schedule.issues.front(), block.schedule.issues.back()); }));
+  EXPECT_TRUE(damaged([](cost::ScheduledBlock& block) {
+    std::swap(block.schedule.issues.front(), block.schedule.issues.back());
+  }));
   EXPECT_TRUE(damaged([](cost::ScheduledBlock& block) { block.schedule.issues.pop_back(); }));
-  EXPECT_TRUE(damaged([](cost::ScheduledBlock& block) { block.schedule.issues.push_back(block.schedule.issues.back()); }));
+  EXPECT_TRUE(damaged(
+      [](cost::ScheduledBlock& block) { block.schedule.issues.push_back(block.schedule.issues.back()); }));
   EXPECT_TRUE(damaged([](cost::ScheduledBlock& block) { block.schedule.clauses = 1; }));
   EXPECT_TRUE(damaged([](cost::ScheduledBlock& block) {
     for (cost::Issue& issue : block.schedule.issues) std::swap(issue.vector, issue.scalar);

@@ -1,9 +1,9 @@
-// What price() promises beyond the five anchors: the estimate's formulas, per-block and per-line sums, paths, lights,
-// refusals, and the other consoles' models.
+// What price() promises beyond the five anchors: the estimate's formulas, per-block and per-line sums, paths,
+// lights, refusals, and the other consoles' models.
+#include "shading/cost/static_cost.hpp"
 #include "platform/console/platform_file.hpp"
 #include "platform/host/error.hpp"
 #include "shading/cost/slots.hpp"
-#include "shading/cost/static_cost.hpp"
 #include "tests/cost/program_builder.hpp"
 #include "tests/cost/random_program.hpp"
 
@@ -28,7 +28,8 @@ vm::Program chain(int n) {
 
 TEST(Estimate, AluClocksOfThePrintedSamples) {
   // Instructions and cycles as the period compiler printed them, two decimals.
-  const std::pair<int, double> printed[] = {{6, 8.00}, {9, 12.00}, {17, 22.67}, {28, 37.33}, {55, 73.33}, {74, 98.67}, {178, 237.33}};
+  const std::pair<int, double> printed[] = {{6, 8.00},   {9, 12.00},  {17, 22.67},  {28, 37.33},
+                                            {55, 73.33}, {74, 98.67}, {178, 237.33}};
   for (const auto& [words, clocks] : printed) {
     const cost::StaticCost cost = cost::price(chain(words), xenos());
     EXPECT_EQ(cost.alu_words, words);
@@ -44,13 +45,15 @@ TEST(Estimate, TextureClocksAreFourForEachFetch) {
     const cost::StaticCost cost = cost::price(program_from_text(text), xenos());
     EXPECT_EQ(cost.fetches, n);
     EXPECT_EQ(cost.cycles.texture, 4 * n);
-    const cost::StaticCost trilinear = cost::price(program_from_text(text), xenos(), {cost::FilterAssumption::Trilinear, cost::PairingRule::Strict});
+    const cost::StaticCost trilinear = cost::price(
+        program_from_text(text), xenos(), {cost::FilterAssumption::Trilinear, cost::PairingRule::Strict});
     EXPECT_EQ(trilinear.cycles.texture, 8 * n);
   }
 }
 
 TEST(Estimate, InterpolatorClocksOfThePrintedSamples) {
-  const std::pair<const char*, double> printed[] = {{"T", 8}, {"TT", 8}, {"TTT", 12}, {"TTTTT", 20}, {"TTTTTT", 24}, {"CT", 16}, {"CTT", 16}};
+  const std::pair<const char*, double> printed[] = {{"T", 8},       {"TT", 8},  {"TTT", 12}, {"TTTTT", 20},
+                                                    {"TTTTTT", 24}, {"CT", 16}, {"CTT", 16}};
   for (const auto& [inputs, clocks] : printed) {
     std::string text, sum;
     int v = 0;
@@ -110,7 +113,8 @@ TEST(StaticCost, SumsOfBlocksAndLinesAreTheTotals) {
       block_words += trips * cost.blocks[b].alu_words;
       block_slots += trips * cost.blocks[b].alu_slots;
       block_fetches += trips * cost.blocks[b].fetches;
-      for (std::uint32_t i = blocks[b].begin; i < blocks[b].end; ++i) code_slots += trips * cost::alu_slots(program.code[i]);
+      for (std::uint32_t i = blocks[b].begin; i < blocks[b].end; ++i)
+        code_slots += trips * cost::alu_slots(program.code[i]);
     }
     for (const cost::LineCost& line : cost.lines) {
       line_words += line.alu_words;
@@ -134,7 +138,8 @@ TEST(StaticCost, LoosePairingIsNeverMuchLonger) {
   for (std::uint32_t seed = 0; seed < 300; ++seed) {
     const vm::Program program = random_program(seed, {});
     strict += cost::price(program, xenos()).alu_words;
-    loose += cost::price(program, xenos(), {cost::FilterAssumption::Bilinear, cost::PairingRule::Loose}).alu_words;
+    loose +=
+        cost::price(program, xenos(), {cost::FilterAssumption::Bilinear, cost::PairingRule::Loose}).alu_words;
   }
   EXPECT_LT(loose, strict);
 }
@@ -206,12 +211,16 @@ TEST(StaticCost, LightsArePricedRolledAndUnrolled) {
 
 TEST(StaticCost, TooManyRegistersAreRefusedByName) {
   std::string text = "in TEXCOORD0 xyzw\nout COLOR0 xyzw\nuniform a 4\nsampler s 2d\n";
-  for (int i = 0; i < 70; ++i) text += "mad r" + std::to_string(i) + ", v0, c0, v0.wzyx\nexp r" + std::to_string(i) + ".x, r" + std::to_string(i) + ".y\n";
+  for (int i = 0; i < 70; ++i)
+    text += "mad r" + std::to_string(i) + ", v0, c0, v0.wzyx\nexp r" + std::to_string(i) + ".x, r" +
+            std::to_string(i) + ".y\n";
   // Read last-made first and first-made last, each after all are made.
   text += "mov r70, r69\n";
-  for (int i = 0; i < 70; ++i) text += "mad r70, r70, r" + std::to_string(i) + ", r" + std::to_string(69 - i) + "\n";
+  for (int i = 0; i < 70; ++i)
+    text += "mad r70, r70, r" + std::to_string(i) + ", r" + std::to_string(69 - i) + "\n";
   text += "dsx r71, r70\n";
-  for (int i = 0; i < 70; ++i) text += "mad r71, r71, r" + std::to_string(i) + ", r" + std::to_string(69 - i) + "\n";
+  for (int i = 0; i < 70; ++i)
+    text += "mad r71, r71, r" + std::to_string(i) + ", r" + std::to_string(69 - i) + "\n";
   text += "mov o0, r71\n";
   try {
     const cost::StaticCost cost = cost::price(program_from_text(text, "greedy"), xenos());
@@ -234,7 +243,8 @@ mad r1, r0, c0, v0
 rcp r2.x, r1.w
 mul o0.xyz, r1, r2.x
 )");
-  EXPECT_EQ(cost::price(program, console::load_platform("liverpool")).alu_words, 4 + 4 + 3);  // lanes; reciprocal at quarter rate
+  EXPECT_EQ(cost::price(program, console::load_platform("liverpool")).alu_words,
+            4 + 4 + 3);  // lanes; reciprocal at quarter rate
   EXPECT_EQ(cost::price(program, console::load_platform("latte")).alu_words, 3);
   // SU0 fetches, SU1 multiplies and adds; next pass SU0 the reciprocal, SU1 the product.
   EXPECT_EQ(cost::price(program, console::load_platform("rsx")).alu_words, 2);

@@ -1,5 +1,6 @@
-// Five public shaders with the figures the console's own compiler printed or its microcode shows. Programs are written by
-// hand here, in the shape a compiler gives them; the compiled HLSL is compared elsewhere in this folder.
+// Five public shaders with the figures the console's own compiler printed or its microcode shows. Programs
+// are written by hand here, in the shape a compiler gives them; the compiled HLSL is compared elsewhere in
+// this folder.
 #include "platform/console/platform_file.hpp"
 #include "shading/cost/static_cost.hpp"
 #include "tests/cost/program_builder.hpp"
@@ -26,7 +27,8 @@ sampler tex0 2d
 tex r0, v0.xy, s0
 add r1, r0, c0.xxxx
 mov o0, r1
-)", 1, 1, 6, 8, 1, 8},
+)",
+     1, 1, 6, 8, 1, 8},
     {"tinted_particle", R"(
 in COLOR0 xyzw
 in TEXCOORD0 xy
@@ -42,7 +44,8 @@ mul r2.x, v0.w, c0.w
 add r2.y, l0.y, -r0.w
 mul r2.x, r2.x, r2.y
 mul o0.w, r2.x, l0.x
-)", 5, 1, 6, 16, 3, 16},
+)",
+     5, 1, 6, 16, 3, 16},
     {"soft_additive", R"(
 in COLOR0 xyzw
 in TEXCOORD0 xy
@@ -53,7 +56,8 @@ mul r1, v0, r0
 mul r2.xyz, r1, r1.wwww
 mov o0.xyz, r2
 mov o0.w, r1
-)", 4, 1, 6, 16, 2, 16},
+)",
+     4, 1, 6, 16, 2, 16},
     {"toon_cube", R"(
 in TEXCOORD0 xy
 in TEXCOORD1 xyz
@@ -68,7 +72,8 @@ tex r1, v1.xyz, s1
 mul r2.xyz, r1, r0
 mul o0.xyz, r2, l0.xxxx
 mov o0.w, r0.w
-)", 6, 2, 6, 8, 3, 8},
+)",
+     6, 2, 6, 8, 3, 8},
     {"bumpspec_dir", R"(
 in TEXCOORD0 xy
 in TEXCOORD1 xyz
@@ -102,7 +107,8 @@ mad r5.xyz, c0, r4.xxxx, r5
 mul r5.xyz, r5, l0.xxxx
 mad o0.xyz, r0, v3, r5
 mov o0.w, l0.w
-)", 14, 2, 10, 16, 5, 18},
+)",
+     14, 2, 10, 16, 5, 18},
 };
 
 class XenosAnchor : public ::testing::TestWithParam<Anchor> {};
@@ -112,11 +118,13 @@ TEST_P(XenosAnchor, MatchesThePeriodCompiler) {
   const vm::Program program = program_from_text(anchor.text, anchor.name);
   const cost::StaticCost cost = cost::price(program, console::load_platform("xenos"));
   std::string listing;
-  for (const cost::ListingRow& row : cost.listing) listing += std::to_string(row.word) + " " + row.pipe + " " + row.text + "\n";
+  for (const cost::ListingRow& row : cost.listing)
+    listing += std::to_string(row.word) + " " + row.pipe + " " + row.text + "\n";
   SCOPED_TRACE(listing);
   EXPECT_EQ(cost.fetches, anchor.fetches);
   // One word or a tenth: the bound the reference figures are meant to hold to.
-  EXPECT_LE(std::abs(cost.alu_words - anchor.words), std::max(1.0, 0.1 * anchor.words)) << cost.alu_words << " words";
+  EXPECT_LE(std::abs(cost.alu_words - anchor.words), std::max(1.0, 0.1 * anchor.words))
+      << cost.alu_words << " words";
   EXPECT_EQ(cost.cycles.sequencer, anchor.sequencer);
   EXPECT_EQ(cost.cycles.interpolator, anchor.interpolator);
   EXPECT_LE(std::abs(cost.gprs - anchor.gprs), 2) << cost.gprs << " registers";
@@ -125,7 +133,8 @@ TEST_P(XenosAnchor, MatchesThePeriodCompiler) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shaders, XenosAnchor, ::testing::ValuesIn(kAnchors), [](const auto& anchor) { return std::string(anchor.param.name); });
+INSTANTIATE_TEST_SUITE_P(Shaders, XenosAnchor, ::testing::ValuesIn(kAnchors),
+                         [](const auto& anchor) { return std::string(anchor.param.name); });
 
 }  // namespace
 }  // namespace aluminate::test

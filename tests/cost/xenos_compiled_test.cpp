@@ -1,5 +1,5 @@
-// The public shaders of xenos_anchor_test, from their HLSL through the compiler, against the table of printed and decoded
-// figures; and what the shipped lighting program's schedules leave over their bounds.
+// The public shaders of xenos_anchor_test, from their HLSL through the compiler, against the table of printed
+// and decoded figures; and what the shipped lighting program's schedules leave over their bounds.
 #include "platform/console/platform_file.hpp"
 #include "shading/compiler/compile.hpp"
 #include "shading/cost/legality.hpp"
@@ -26,8 +26,10 @@ std::vector<Row> read_table(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     std::vector<std::string> cells(1);
     for (char c : line) {
-      if (c == ',') cells.emplace_back();
-      else if (c != '\r') cells.back() += c;
+      if (c == ',')
+        cells.emplace_back();
+      else if (c != '\r')
+        cells.back() += c;
     }
     if (keys.empty()) {
       keys = cells;
@@ -53,7 +55,8 @@ TEST(XenosCompiled, MatchesThePrintedAndDecodedFigures) {
     const cost::StaticCost cost = cost::price(program, xenos);
     SCOPED_TRACE(name + "\n" + cost::format_listing(cost));
     const double words = std::stod(row.at("xenos_alu_instructions"));
-    EXPECT_LE(std::abs(cost.alu_words - words), std::max(1.0, 0.1 * words)) << cost.alu_words << " words, console " << words;
+    EXPECT_LE(std::abs(cost.alu_words - words), std::max(1.0, 0.1 * words))
+        << cost.alu_words << " words, console " << words;
     EXPECT_EQ(cost.fetches, std::stoi(row.at("texture_cycles")) / 4);
     EXPECT_EQ(cost.cycles.texture, std::stod(row.at("texture_cycles")));
     EXPECT_EQ(cost.cycles.sequencer, std::stod(row.at("sequencer_cycles")));
@@ -67,7 +70,9 @@ TEST(XenosCompiled, MatchesThePrintedAndDecodedFigures) {
     if (!row.at("cycles_per_vector").empty()) {
       EXPECT_EQ(cost.cycles_per_vector, std::stoi(row.at("cycles_per_vector")));
     }
-    EXPECT_TRUE(cost::broken_rules(program, cost::schedule_program(program, cost::PairingRule::Strict), cost::PairingRule::Strict).empty());
+    EXPECT_TRUE(cost::broken_rules(program, cost::schedule_program(program, cost::PairingRule::Strict),
+                                   cost::PairingRule::Strict)
+                    .empty());
   }
 }
 
@@ -82,8 +87,9 @@ TEST(XenosCompiled, LightingSchedulesAreWithinFivePerCentOfTheirBounds) {
       options.loops = compiler::LoopMode::Unrolled;
       const vm::Program program = compiler::compile(options);
       const cost::StaticCost cost = cost::price(program, xenos);
-      std::cout << "lights " << lights << " schlick-smith " << visibility << ": " << cost.alu_words << " words, bound " << cost.bound_words << ", slots "
-                << cost.alu_slots << ", " << cost.gprs << " GPRs\n";
+      std::cout << "lights " << lights << " schlick-smith " << visibility << ": " << cost.alu_words
+                << " words, bound " << cost.bound_words << ", slots " << cost.alu_slots << ", " << cost.gprs
+                << " GPRs\n";
       words += cost.alu_words;
       bound += cost.bound_words;
     }
