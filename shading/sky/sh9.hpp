@@ -21,7 +21,7 @@ inline constexpr std::array<std::string_view, 9> kSh9Names{"00",  "1-1", "10", "
 [[nodiscard]] std::array<double, 9> sh9_basis(const glm::dvec3& direction) noexcept;
 
 /// c_i = int L Y_i dw over the sphere, `ground` below the horizon. Azimuth moments of f times zenith
-/// integrals of gradient and phi, both split at the sun and at every colour stop; error below 1e-8 of the
+/// integrals of gradient and phi, both split at the sun and at every colour stop; error below 1e-10 of the
 /// largest coefficient.
 [[nodiscard]] Sh9 project(const Sky& sky);
 
