@@ -22,7 +22,7 @@ int big_endian(Bytes bytes, std::size_t at, int count) {
   return value > 0x7fffffff ? 0 : static_cast<int>(value);
 }
 
-/// Walks the marker segments to the frame header [T.81 B.2.2].
+/// Walks the marker segments to the frame header [JPEG-T81 B.2.2].
 void read_jpeg_size(Bytes bytes, ImageHeader& header) {
   std::size_t at = 2;
   while (at + 9 <= bytes.size() && bytes[at] == 0xFF) {

@@ -73,7 +73,7 @@ ShadingLight scene_light(const Light& source, std::size_t index, const Normalise
   if (source.kind == LightKind::Spot) {
     const double cos_outer = sin_cos(source.outer_cone).cos;
     light.spot_axis = to_light;
-    light.spot_scale = 1 / std::max(0.001, sin_cos(source.inner_cone).cos - cos_outer);  // [KHR-lights]
+    light.spot_scale = 1 / std::max(0.001, sin_cos(source.inner_cone).cos - cos_outer);  // [KHRLights]
     light.spot_offset = -cos_outer * light.spot_scale;
   }
   return light;

@@ -18,7 +18,7 @@ namespace aluminate::scenes {
 /// One light. For a surface point P:
 ///   L = position.xyz - P * position.w,  d2 = dot(L, L),  l = L / sqrt(d2)
 ///   att    = 1 / (k0 + d2 * k1)
-///   window = max(0, 1 - (d2 * inv_range2)^2)                       [KHR-lights]: 1 - (d / range)^4
+///   window = max(0, 1 - (d2 * inv_range2)^2)                       [KHRLights]: 1 - (d / range)^4
 ///   cone   = clamp(dot(l, spot_axis) * spot_scale + spot_offset, 0, 1)^2
 ///   light arriving = color * att * window * cone
 /// A kind that has no window or cone carries inv_range2 = 0, spot_scale = 0, spot_offset = 1: the same code,

@@ -164,7 +164,7 @@ std::string scene_info_json(const SceneInfo& info) {
   root["cameras"] = info.cameras;
   root["lights"] = info.lights;
   root["warnings"] = info.warnings;
-  return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::vector<std::string> validate_scene(const std::filesystem::path& path) {

@@ -74,7 +74,7 @@ Sampler sampler_of(const tinygltf::Sampler& source) {
   return sampler;
 }
 
-/// uv' = translation * rotation * scale * uv [KHR-texture-transform]. The rotation is the counter-clockwise
+/// uv' = translation * rotation * scale * uv [KHRTextureTransform]. The rotation is the counter-clockwise
 /// one of the extension's text as seen with v downwards, u' = u cos + v sin, v' = v cos - u sin; the GLSL
 /// listing beside that text has the other sign, and importers follow the text.
 glm::dmat3x2 uv_matrix(const Value& transform) {
