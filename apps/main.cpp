@@ -77,6 +77,7 @@ int run(int argc, char** argv) {
   add_scene(app, session);
   add_diff(app, session);
   add_sky(app, session);
+  add_calibrate(app, session);
   add_doctor(app, session);
 
   if (argc < 2) {

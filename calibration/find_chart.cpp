@@ -7,6 +7,7 @@
 #include "calibration/opencv_chart.hpp"
 #include "calibration/patch_grid.hpp"
 #include "platform/host/error.hpp"
+#include "platform/host/suggest.hpp"
 
 namespace aluminate::calibration {
 namespace {
@@ -198,6 +199,13 @@ double sharpest_edges_px(const Photo& photo) {
 }
 
 }  // namespace
+
+ChartFinder parse_chart_finder(std::string_view name) {
+  static const std::vector<std::string> known{"auto", "grid", "opencv"};
+  const auto found = std::find(known.begin(), known.end(), name);
+  if (found == known.end()) throw UserError(fmt::format("unknown finder '{}'", name), host::did_you_mean(name, known));
+  return static_cast<ChartFinder>(found - known.begin());
+}
 
 FoundChart find_chart(const Photo& photo, const ChartReference& reference, const std::string& name, ChartFinder finder) {
   Search search{photo, reference, {}};

@@ -6,12 +6,14 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "calibration/patch_sampling.hpp"
 
 namespace aluminate::calibration {
 
 enum class ChartFinder { Auto, Grid, OpenCv };
+ChartFinder parse_chart_finder(std::string_view name);  // "auto", "grid", "opencv"
 
 struct FoundChart {
   Corners corners{};
