@@ -130,6 +130,30 @@ TEST(Bill, NoSinkMeansNoBillAndTheSamePicture) {
   EXPECT_EQ(difference(draw_candidate(g, options), expected), "");
 }
 
+TEST(Bill, StampsOfATriangleMeetALargeBlockInAscendingOrder) {
+  // Everything but stamp 2 of a 16x16 block is at 0.5; a triangle at 0.6 over all of it is billed until it has filled stamp 2
+  // itself: from then on the farthest depth is its own.
+  Geometry g;
+  g.viewport = {16, 16};
+  const auto rectangle = [&g](double x0, double y0, double x1, double y1, double depth) {
+    const std::uint32_t a = g.add_pixel_vertex(x0, y0, depth), b = g.add_pixel_vertex(x1, y0, depth), c = g.add_pixel_vertex(x0, y1, depth), d = g.add_pixel_vertex(x1, y1, depth);
+    g.add_triangle(a, b, c);
+    g.add_triangle(b, d, c);
+  };
+  rectangle(0, 0, 16, 4, 0.5);
+  rectangle(4, 4, 16, 8, 0.5);
+  rectangle(0, 8, 16, 16, 0.5);
+  g.end_draw();
+  const std::uint32_t a = g.add_pixel_vertex(-1, -1, 0.6), b = g.add_pixel_vertex(40, -1, 0.6), c = g.add_pixel_vertex(-1, 40, 0.6);
+  g.add_triangle(a, b, c);
+  g.end_draw();
+  CandidateOptions options;
+  options.bill = {BillRule::Kind::Hierarchical, 16};
+  const Picture picture = draw_candidate(g, options);
+  EXPECT_EQ(picture.planes.billed_per_draw[1], 3u * 16);
+  EXPECT_EQ(difference(picture, draw_expected(g, options.bill)), "");
+}
+
 TEST(Bill, RulesOrderTheirTotals) {
   const Geometry g = busy_frame();
   std::vector<std::uint64_t> totals;
