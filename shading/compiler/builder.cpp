@@ -21,15 +21,18 @@ bool is_commutative(Opcode op) {
     case Opcode::Dp3:
     case Opcode::Dp4:
     case Opcode::Seq:
-    case Opcode::Sne: return true;
-    default: return false;
+    case Opcode::Sne:
+      return true;
+    default:
+      return false;
   }
 }
 
 void push_lanes(std::vector<std::uint64_t>& key, const Lanes& v) {
   key.push_back(v.size);
   for (Ref r : v)
-    key.push_back((std::uint64_t{r.node} << 8) | (std::uint64_t{r.lane} << 2) | (r.negate ? 2u : 0u) | (r.absolute ? 1u : 0u));
+    key.push_back((std::uint64_t{r.node} << 8) | (std::uint64_t{r.lane} << 2) | (r.negate ? 2u : 0u) |
+                  (r.absolute ? 1u : 0u));
 }
 
 bool lanes_less(const Lanes& a, const Lanes& b) {
@@ -91,7 +94,9 @@ Ref Builder::leaf(NodeKind kind, std::uint32_t index, int lane, const Address& a
 }
 
 Builder::Key Builder::key_of(const Node& n) const {
-  Key key{static_cast<std::uint64_t>(n.kind) << 32 | static_cast<std::uint64_t>(n.op) << 8 | (n.saturate ? 1u : 0u), n.index};
+  Key key{static_cast<std::uint64_t>(n.kind) << 32 | static_cast<std::uint64_t>(n.op) << 8 |
+              (n.saturate ? 1u : 0u),
+          n.index};
   if (n.kind == NodeKind::Instruction) {
     std::array<Lanes, 3> src = n.src;
     if (is_commutative(n.op) && lanes_less(src[1], src[0])) std::swap(src[0], src[1]);
@@ -126,7 +131,8 @@ Lanes Builder::numbered(Node node) {
 
 std::optional<Lanes> Builder::identity(Opcode opcode, const Lanes& a, const Lanes& b, const Lanes& c) const {
   switch (opcode) {
-    case Opcode::Mov: return a;
+    case Opcode::Mov:
+      return a;
     case Opcode::Add:
       if (all_constant(b, 0)) return a;
       if (all_constant(a, 0)) return b;
@@ -146,7 +152,8 @@ std::optional<Lanes> Builder::identity(Opcode opcode, const Lanes& a, const Lane
     case Opcode::CndEq:
       if (b == c) return b;
       break;
-    default: break;
+    default:
+      break;
   }
   return std::nullopt;
 }
@@ -199,14 +206,16 @@ Lanes Builder::op(Opcode opcode, Lanes a, Lanes b, Lanes c, bool saturated) {
   std::array<int, 4> computed{};
   int live = 0;
   for (int i = 0; i < width; ++i) {
-    const auto x = value_of(a[i]), y = sources > 1 ? value_of(b[i]) : 0.0, z = sources > 2 ? value_of(c[i]) : 0.0;
+    const auto x = value_of(a[i]), y = sources > 1 ? value_of(b[i]) : 0.0,
+               z = sources > 2 ? value_of(c[i]) : 0.0;
     std::optional<double> known;
     if (x && y && z) known = fold(opcode, *x, *y, *z);
     if (opcode == Opcode::Mul && ((x && *x == 0) || (y && *y == 0))) known = 0.0;
     if (known && saturated) known = std::clamp(*known, 0.0, 1.0);
     if (known) {
       result.push(constant(*known));
-    } else if (x && sources == 3 && (opcode == Opcode::CndGe || opcode == Opcode::CndGt || opcode == Opcode::CndEq)) {
+    } else if (x && sources == 3 &&
+               (opcode == Opcode::CndGe || opcode == Opcode::CndGt || opcode == Opcode::CndEq)) {
       const bool first = opcode == Opcode::CndGe ? *x >= 0 : opcode == Opcode::CndGt ? *x > 0 : *x == 0;
       result.push(first ? b[i] : c[i]);
     } else {
@@ -218,7 +227,8 @@ Lanes Builder::op(Opcode opcode, Lanes a, Lanes b, Lanes c, bool saturated) {
   bool negate = false;
   if (opcode == Opcode::Mul) {  // -a * b = -(a * b): one node for both
     for (Lanes* v : {&a, &b}) {
-      const bool all = std::all_of(computed.begin(), computed.begin() + live, [&](int i) { return (*v)[i].negate; });
+      const bool all =
+          std::all_of(computed.begin(), computed.begin() + live, [&](int i) { return (*v)[i].negate; });
       if (all) {
         for (int k = 0; k < live; ++k) (*v)[computed[static_cast<std::size_t>(k)]].negate = false;
         negate = !negate;
@@ -249,10 +259,14 @@ Lanes Builder::divide(Lanes a, Lanes b) {
 
 Ref Builder::dot(const Lanes& a, const Lanes& b) {
   switch (a.size) {
-    case 1: return mul(a, b)[0];
-    case 2: return op1(Opcode::Dp2Add, a, b, constant(0));
-    case 3: return op1(Opcode::Dp3, a, b);
-    default: return op1(Opcode::Dp4, a, b);
+    case 1:
+      return mul(a, b)[0];
+    case 2:
+      return op1(Opcode::Dp2Add, a, b, constant(0));
+    case 3:
+      return op1(Opcode::Dp3, a, b);
+    default:
+      return op1(Opcode::Dp4, a, b);
   }
 }
 
@@ -263,7 +277,6 @@ Lanes Builder::combine(const std::vector<Lanes>& columns, const Lanes& by) {
 }
 
 Lanes Builder::logical_not(Lanes a) {
-  Lanes result;
   // A vector comparison is inverted as a whole so that it stays one instruction.
   const Node& first = node(a[0]);
   bool whole = is_instruction(first) && first.sink == Sink::Value && !first.saturate;
@@ -277,11 +290,16 @@ Lanes Builder::logical_not(Lanes a) {
         y.push(n.src[1][r.lane]);
       }
     switch (n.op) {
-      case Opcode::Sge: return op(Opcode::Sgt, y, x);
-      case Opcode::Sgt: return op(Opcode::Sge, y, x);
-      case Opcode::Seq: return op(Opcode::Sne, x, y);
-      case Opcode::Sne: return op(Opcode::Seq, x, y);
-      default: break;
+      case Opcode::Sge:
+        return op(Opcode::Sgt, y, x);
+      case Opcode::Sgt:
+        return op(Opcode::Sge, y, x);
+      case Opcode::Seq:
+        return op(Opcode::Sne, x, y);
+      case Opcode::Sne:
+        return op(Opcode::Seq, x, y);
+      default:
+        break;
     }
   }
   return sub(constant(1), a);
@@ -308,10 +326,14 @@ Lanes Builder::choose(Lanes condition, Lanes yes, Lanes no) {
   // 0 > y and 0 >= y read -y directly; otherwise the sign of x - y decides.
   const Lanes difference = sub(x, y);
   switch (n.op) {
-    case Opcode::Sge: return op(Opcode::CndGe, difference, yes, no);
-    case Opcode::Sgt: return op(Opcode::CndGt, difference, yes, no);
-    case Opcode::Seq: return op(Opcode::CndEq, difference, yes, no);
-    default: return op(Opcode::CndEq, difference, no, yes);
+    case Opcode::Sge:
+      return op(Opcode::CndGe, difference, yes, no);
+    case Opcode::Sgt:
+      return op(Opcode::CndGt, difference, yes, no);
+    case Opcode::Seq:
+      return op(Opcode::CndEq, difference, yes, no);
+    default:
+      return op(Opcode::CndEq, difference, no, yes);
   }
 }
 
@@ -323,13 +345,14 @@ void Builder::kill_if(Ref condition) {
   kill.width = 0;
   kill.src[0] = condition;
   kill.src[1] = constant(0);
-  const bool plain = is_instruction(n) && n.sink == Sink::Value && !n.saturate && !condition.negate && !condition.absolute;
+  const bool plain =
+      is_instruction(n) && n.sink == Sink::Value && !n.saturate && !condition.negate && !condition.absolute;
   if (plain && n.op == Opcode::Max && n.width >= 1) {  // a or b: one kill each
     const Ref a = n.src[0][condition.lane], b = n.src[1][condition.lane];
     const auto truth = [&](Ref r) {
       const Node& m = node(r);
-      return is_instruction(m) && (m.op == Opcode::Sge || m.op == Opcode::Sgt || m.op == Opcode::Seq || m.op == Opcode::Sne ||
-                                   m.op == Opcode::Max);
+      return is_instruction(m) && (m.op == Opcode::Sge || m.op == Opcode::Sgt || m.op == Opcode::Seq ||
+                                   m.op == Opcode::Sne || m.op == Opcode::Max);
     };
     if (truth(a) && truth(b)) {
       kill_if(a);
@@ -338,14 +361,18 @@ void Builder::kill_if(Ref condition) {
     }
   }
   if (plain && (n.op == Opcode::Sge || n.op == Opcode::Sgt || n.op == Opcode::Seq || n.op == Opcode::Sne)) {
-    kill.op = n.op == Opcode::Sge ? Opcode::KillGe : n.op == Opcode::Sgt ? Opcode::KillGt : n.op == Opcode::Seq ? Opcode::KillEq : Opcode::KillNe;
+    kill.op = n.op == Opcode::Sge   ? Opcode::KillGe
+              : n.op == Opcode::Sgt ? Opcode::KillGt
+              : n.op == Opcode::Seq ? Opcode::KillEq
+                                    : Opcode::KillNe;
     kill.src[0] = n.src[0][condition.lane];
     kill.src[1] = n.src[1][condition.lane];
   }
   ir_.order.push_back(append(kill));
 }
 
-Ref Builder::fetch(Opcode opcode, std::uint32_t sampler, const Lanes& a, const Lanes& b, const Lanes& c, int lane) {
+Ref Builder::fetch(Opcode opcode, std::uint32_t sampler, const Lanes& a, const Lanes& b, const Lanes& c,
+                   int lane) {
   Node n;
   n.op = opcode;
   n.index = sampler;
@@ -372,7 +399,8 @@ NodeId Builder::variable(int width) {
   return append(n);
 }
 
-void Builder::write(Sink sink, NodeId target, const Lanes& value, const std::array<std::uint8_t, 4>& lane_to) {
+void Builder::write(Sink sink, NodeId target, const Lanes& value,
+                    const std::array<std::uint8_t, 4>& lane_to) {
   Node n;
   n.op = Opcode::Mov;
   n.sink = sink;

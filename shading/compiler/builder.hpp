@@ -1,6 +1,6 @@
-// Appends nodes to an Ir: folds constants, drops identities and gives equal expressions one node (value numbering inside
-// the structured scopes, so nothing is ever used where it was not computed).
-// Folding uses IEEE arithmetic only, no libm: literals are part of the picture and must be the same everywhere.
+// Appends nodes to an Ir: folds constants, drops identities and gives equal expressions one node (value
+// numbering inside the structured scopes, so nothing is ever used where it was not computed). Folding uses
+// IEEE arithmetic only, no libm: literals are part of the picture and must be the same everywhere.
 #pragma once
 
 #include "shading/compiler/ir.hpp"
@@ -46,7 +46,8 @@ class Builder {
   Lanes choose(Lanes condition, Lanes yes, Lanes no);
   void kill_if(Ref condition);
 
-  Ref fetch(vm::Opcode opcode, std::uint32_t sampler, const Lanes& a, const Lanes& b, const Lanes& c, int lane);
+  Ref fetch(vm::Opcode opcode, std::uint32_t sampler, const Lanes& a, const Lanes& b, const Lanes& c,
+            int lane);
 
   // Structure. Scopes bound value numbering.
   NodeId flow(vm::Opcode opcode, std::optional<Ref> condition = {});

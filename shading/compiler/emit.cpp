@@ -27,8 +27,9 @@ class Emitter {
     trim_inputs();
     trim_outputs();
     if (p_.temp_count > kMaxRegisters || p_.literals.size() > kMaxRegisters)
-      throw UserError(fmt::format("the shader needs {} registers and {} literals", p_.temp_count, p_.literals.size()),
-                      fmt::format("the limit is {} of each", kMaxRegisters));
+      throw UserError(
+          fmt::format("the shader needs {} registers and {} literals", p_.temp_count, p_.literals.size()),
+          fmt::format("the limit is {} of each", kMaxRegisters));
     return std::move(p_);
   }
 
@@ -86,40 +87,52 @@ class Emitter {
       }
       s.file = RegisterFile::Literal;
       s.index = static_cast<std::uint16_t>(literal(values, where));
-      for (int i = 0; i < v.size; ++i) component[static_cast<std::size_t>(i)] = where[which[static_cast<std::size_t>(i)]];
+      for (int i = 0; i < v.size; ++i)
+        component[static_cast<std::size_t>(i)] = where[which[static_cast<std::size_t>(i)]];
     } else {
       s.negate = first.negate;
       s.absolute = first.absolute;
       if (auto place = places_.find(first.node); place != places_.end()) {
         s.file = RegisterFile::Temp;
         s.index = static_cast<std::uint16_t>(place->second.reg);
-        for (int i = 0; i < v.size; ++i) component[static_cast<std::size_t>(i)] = places_.at(v[i].node).component[v[i].lane];
+        for (int i = 0; i < v.size; ++i)
+          component[static_cast<std::size_t>(i)] = places_.at(v[i].node).component[v[i].lane];
       } else {
         for (int i = 0; i < v.size; ++i) component[static_cast<std::size_t>(i)] = v[i].lane;
         s.index = static_cast<std::uint16_t>(n.index);
         switch (n.kind) {
-          case NodeKind::Input: s.file = RegisterFile::Input; break;
-          case NodeKind::Uniform: s.file = RegisterFile::Uniform; break;
-          case NodeKind::Table: s.file = RegisterFile::Literal; break;
+          case NodeKind::Input:
+            s.file = RegisterFile::Input;
+            break;
+          case NodeKind::Uniform:
+            s.file = RegisterFile::Uniform;
+            break;
+          case NodeKind::Table:
+            s.file = RegisterFile::Literal;
+            break;
           case NodeKind::Counter:
             s.file = RegisterFile::LoopCounter;
             s.index = nest_of(n.index);
             break;
-          default: ALU_CHECK(false, "node {} has no place", first.node);
+          default:
+            ALU_CHECK(false, "node {} has no place", first.node);
         }
         if (n.address.base == Address::Base::Counter) {
-          s.relative = {vm::RelativeBase::LoopCounter, nest_of(n.address.loop), 0, n.address.scale, n.address.limit};
+          s.relative = {vm::RelativeBase::LoopCounter, nest_of(n.address.loop), 0, n.address.scale,
+                        n.address.limit};
         } else if (n.address.base == Address::Base::Value) {
           const Ref a = n.address.value;
           const Place& place_of = places_.at(a.node);
-          s.relative = {vm::RelativeBase::Temp, static_cast<std::uint16_t>(place_of.reg), place_of.component[a.lane], n.address.scale,
-                        n.address.limit};
+          s.relative = {vm::RelativeBase::Temp, static_cast<std::uint16_t>(place_of.reg),
+                        place_of.component[a.lane], n.address.scale, n.address.limit};
         }
       }
     }
     s.swizzle.fill(component[0]);
     for (int i = 0; i < v.size; ++i)
-      if (at[static_cast<std::size_t>(i)] >= 0) s.swizzle[static_cast<std::size_t>(at[static_cast<std::size_t>(i)])] = component[static_cast<std::size_t>(i)];
+      if (at[static_cast<std::size_t>(i)] >= 0)
+        s.swizzle[static_cast<std::size_t>(at[static_cast<std::size_t>(i)])] =
+            component[static_cast<std::size_t>(i)];
     return s;
   }
 
@@ -146,14 +159,16 @@ class Emitter {
         place.reg = static_cast<int>(n.target);
       } else if (n.sink == Sink::Variable) {
         place = places_.at(n.target);
-        for (int l = 0; l < n.width; ++l) to[static_cast<std::size_t>(l)] = place.component[n.lane_to[static_cast<std::size_t>(l)]];
+        for (int l = 0; l < n.width; ++l)
+          to[static_cast<std::size_t>(l)] = place.component[n.lane_to[static_cast<std::size_t>(l)]];
       } else {
         place = places_.at(static_cast<NodeId>(&n - ir_.nodes.data()));
         to = place.component;
       }
       i.dst.file = place.output ? RegisterFile::Output : RegisterFile::Temp;
       i.dst.index = static_cast<std::uint16_t>(place.reg);
-      for (int l = 0; l < n.width; ++l) i.dst.mask |= static_cast<std::uint8_t>(1u << to[static_cast<std::size_t>(l)]);
+      for (int l = 0; l < n.width; ++l)
+        i.dst.mask |= static_cast<std::uint8_t>(1u << to[static_cast<std::size_t>(l)]);
       if (is_texture(n.op)) {
         i.sampler = static_cast<std::uint8_t>(n.index);
         i.dst.mask = texture_mask(static_cast<NodeId>(&n - ir_.nodes.data()));
@@ -191,7 +206,8 @@ class Emitter {
             texture_lanes_[r.node] |= static_cast<std::uint8_t>(1u << r.lane);
             Node& leaf = ir_.nodes[r.node];
             if (!is_instruction(leaf) && leaf.address.base == Address::Base::Value)
-              texture_lanes_[leaf.address.value.node] |= static_cast<std::uint8_t>(1u << leaf.address.value.lane);
+              texture_lanes_[leaf.address.value.node] |=
+                  static_cast<std::uint8_t>(1u << leaf.address.value.lane);
           }
         });
     return texture_lanes_[id];

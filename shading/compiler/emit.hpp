@@ -1,5 +1,5 @@
-// Ir with registers assigned in, vm::Program out: swizzles, write masks, literal registers, symbol tables trimmed to what
-// the code uses.
+// Ir with registers assigned in, vm::Program out: swizzles, write masks, literal registers, symbol tables
+// trimmed to what the code uses.
 #pragma once
 
 #include "shading/compiler/lower.hpp"

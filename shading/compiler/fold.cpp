@@ -39,28 +39,50 @@ double log2_series(double x) {
 std::optional<double> fold(vm::Opcode op, double a, double b, double c) {
   using vm::Opcode;
   switch (op) {
-    case Opcode::Mov: return a;
-    case Opcode::Add: return a + b;
-    case Opcode::Mul: return a * b;
-    case Opcode::Mad: return std::fma(a, b, c);
-    case Opcode::Min: return a < b ? a : b;
-    case Opcode::Max: return a >= b ? a : b;
-    case Opcode::Frc: return a - std::floor(a);
-    case Opcode::Flr: return std::floor(a);
-    case Opcode::Trunc: return std::trunc(a);
-    case Opcode::Sge: return a >= b ? 1 : 0;
-    case Opcode::Sgt: return a > b ? 1 : 0;
-    case Opcode::Seq: return a == b ? 1 : 0;
-    case Opcode::Sne: return a != b ? 1 : 0;
-    case Opcode::CndGe: return a >= 0 ? b : c;
-    case Opcode::CndGt: return a > 0 ? b : c;
-    case Opcode::CndEq: return a == 0 ? b : c;
-    case Opcode::Rcp: return a != 0 ? std::optional(1 / a) : std::nullopt;
-    case Opcode::Rsq: return a > 0 ? std::optional(1 / std::sqrt(a)) : std::nullopt;
-    case Opcode::Sqrt: return a >= 0 ? std::sqrt(a) : 0.0;
-    case Opcode::Exp: return std::fabs(a) <= 60 ? std::optional(exp2_series(a)) : std::nullopt;
-    case Opcode::Log: return a > 0 ? std::optional(log2_series(a)) : std::nullopt;
-    default: return std::nullopt;
+    case Opcode::Mov:
+      return a;
+    case Opcode::Add:
+      return a + b;
+    case Opcode::Mul:
+      return a * b;
+    case Opcode::Mad:
+      return std::fma(a, b, c);
+    case Opcode::Min:
+      return a < b ? a : b;
+    case Opcode::Max:
+      return a >= b ? a : b;
+    case Opcode::Frc:
+      return a - std::floor(a);
+    case Opcode::Flr:
+      return std::floor(a);
+    case Opcode::Trunc:
+      return std::trunc(a);
+    case Opcode::Sge:
+      return a >= b ? 1 : 0;
+    case Opcode::Sgt:
+      return a > b ? 1 : 0;
+    case Opcode::Seq:
+      return a == b ? 1 : 0;
+    case Opcode::Sne:
+      return a != b ? 1 : 0;
+    case Opcode::CndGe:
+      return a >= 0 ? b : c;
+    case Opcode::CndGt:
+      return a > 0 ? b : c;
+    case Opcode::CndEq:
+      return a == 0 ? b : c;
+    case Opcode::Rcp:
+      return a != 0 ? std::optional(1 / a) : std::nullopt;
+    case Opcode::Rsq:
+      return a > 0 ? std::optional(1 / std::sqrt(a)) : std::nullopt;
+    case Opcode::Sqrt:
+      return a >= 0 ? std::sqrt(a) : 0.0;
+    case Opcode::Exp:
+      return std::fabs(a) <= 60 ? std::optional(exp2_series(a)) : std::nullopt;
+    case Opcode::Log:
+      return a > 0 ? std::optional(log2_series(a)) : std::nullopt;
+    default:
+      return std::nullopt;
   }
 }
 

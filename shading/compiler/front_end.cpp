@@ -26,10 +26,12 @@ void initialise_glslang() {
   std::call_once(once, [] { glslang::InitializeProcess(); });
 }
 
-// Resolves #include against the including file's folder, the source's folder and the include directories, in this order.
+// Resolves #include against the including file's folder, the source's folder and the include directories, in
+// this order.
 class Includer final : public glslang::TShader::Includer {
  public:
-  Includer(std::filesystem::path source_folder, const Options& options, std::set<std::string>& registers, std::size_t bytes)
+  Includer(std::filesystem::path source_folder, const Options& options, std::set<std::string>& registers,
+           std::size_t bytes)
       : options_(options), source_folder_(std::move(source_folder)), registers_(registers), bytes_(bytes) {
     for (const std::string& d : options.include_dirs) dirs_.emplace_back(d);
   }
@@ -52,17 +54,22 @@ class Includer final : public glslang::TShader::Includer {
 
   IncludeResult* found(const std::string& name, std::string content) {
     bytes_ += content.size();
-    if (bytes_ > kMaxTotalBytes) return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
+    if (bytes_ > kMaxTotalBytes)
+      return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
     scan_source(content, name);
     find_explicit_registers(content, registers_);
     const std::string& text = texts_.try_emplace(name, std::move(content)).first->second;
     return new IncludeResult(name, text.data(), text.size(), nullptr);
   }
 
-  IncludeResult* resolve(const std::string& name, const std::string& includer, std::size_t depth, bool local) {
-    if (depth > kMaxIncludeDepth) return failure(fmt::format("#include nested deeper than {}", kMaxIncludeDepth));
+  IncludeResult* resolve(const std::string& name, const std::string& includer, std::size_t depth,
+                         bool local) {
+    if (depth > kMaxIncludeDepth)
+      return failure(fmt::format("#include nested deeper than {}", kMaxIncludeDepth));
     const auto in_memory = options_.files.find(name);
-    const bool from_memory = includer.empty() || includer == options_.source_path ? options_.source.has_value() : options_.files.contains(includer);
+    const bool from_memory = includer.empty() || includer == options_.source_path
+                                 ? options_.source.has_value()
+                                 : options_.files.contains(includer);
     if (from_memory && in_memory != options_.files.end()) return found(name, in_memory->second);
     std::vector<std::filesystem::path> folders;
     if (local && !includer.empty()) folders.push_back(std::filesystem::path(includer).parent_path());
@@ -93,10 +100,14 @@ class Includer final : public glslang::TShader::Includer {
 std::string preamble_of(const Options& options) {
   std::string text;
   for (const auto& [name, value] : options.defines) {
-    const bool word = !name.empty() && name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos &&
-                      (name[0] < '0' || name[0] > '9');
+    const bool word =
+        !name.empty() &&
+        name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_") ==
+            std::string::npos &&
+        (name[0] < '0' || name[0] > '9');
     if (!word) throw UserError(fmt::format("'{}' is not a name that can be defined", name), "-D NAME=VALUE");
-    if (value.find_first_of("\n\r") != std::string::npos) throw UserError(fmt::format("the definition of {} spans lines", name));
+    if (value.find_first_of("\n\r") != std::string::npos)
+      throw UserError(fmt::format("the definition of {} spans lines", name));
     text += fmt::format("#define {} {}\n", name, value.empty() ? "1" : value);
   }
   return text;
@@ -116,7 +127,8 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
     refuse_effect_syntax(text, file);
     find_explicit_registers(text, result.explicit_registers);
   }
-  if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw UserError(SourcePlace{file, 0, 0}, "the shader source is empty");
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw UserError(SourcePlace{file, 0, 0}, "the shader source is empty");
 
   int messages = EShMsgSpvRules | EShMsgVulkanRules | EShMsgDebugInfo;
   if (hlsl) messages |= EShMsgReadHlsl | EShMsgHlslDX9Compatible | EShMsgHlslOffsets | EShMsgHlslLegalization;
@@ -126,11 +138,15 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
   const int lengths[] = {static_cast<int>(text.size())};
   const char* names[] = {file.c_str()};
   shader.setStringsWithLengthsAndNames(strings, lengths, names, 1);
-  const std::string preamble = preamble_of(options) + (hlsl ? "" : "#extension GL_GOOGLE_include_directive : enable\n#extension GL_EXT_control_flow_attributes : enable\n");
+  const std::string preamble =
+      preamble_of(options) + (hlsl ? ""
+                                   : "#extension GL_GOOGLE_include_directive : enable\n#extension "
+                                     "GL_EXT_control_flow_attributes : enable\n");
   if (!preamble.empty()) shader.setPreamble(preamble.c_str());
   shader.setEntryPoint(hlsl ? options.entry.c_str() : "main");
   shader.setSourceEntryPoint(hlsl ? options.entry.c_str() : "main");
-  shader.setEnvInput(hlsl ? glslang::EShSourceHlsl : glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, 100);
+  shader.setEnvInput(hlsl ? glslang::EShSourceHlsl : glslang::EShSourceGlsl, stage, glslang::EShClientVulkan,
+                     100);
   shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_1);
   shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_3);
   shader.setAutoMapBindings(true);
@@ -145,19 +161,22 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
     shader.setGlobalUniformBinding(0);
   }
 
-  Includer includer(std::filesystem::path(file).parent_path(), options, result.explicit_registers, text.size());
+  Includer includer(std::filesystem::path(file).parent_path(), options, result.explicit_registers,
+                    text.size());
   const auto texts = [&](const std::string& name) -> const std::string* {
     if (name == file) return &text;
     const auto it = includer.texts().find(name);
     return it == includer.texts().end() ? nullptr : &it->second;
   };
   const auto limits = *GetDefaultResources();
-  if (!shader.parse(&limits, hlsl ? 500 : 450, hlsl ? ENoProfile : ECoreProfile, false, false, static_cast<EShMessages>(messages), includer))
+  if (!shader.parse(&limits, hlsl ? 500 : 450, hlsl ? ENoProfile : ECoreProfile, false, false,
+                    static_cast<EShMessages>(messages), includer))
     throw front_end_error(shader.getInfoLog(), file, texts, hlsl);
 
   glslang::TProgram program;
   program.addShader(&shader);
-  if (!program.link(static_cast<EShMessages>(messages))) throw front_end_error(program.getInfoLog(), file, texts, hlsl);
+  if (!program.link(static_cast<EShMessages>(messages)))
+    throw front_end_error(program.getInfoLog(), file, texts, hlsl);
   if (!program.mapIO()) throw front_end_error(program.getInfoLog(), file, texts, hlsl);
 
   glslang::SpvOptions spv_options;
@@ -165,7 +184,8 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
   spv_options.disableOptimizer = !hlsl;  // HLSL needs the legalisation passes
   spv::SpvBuildLogger logger;
   glslang::GlslangToSpv(*program.getIntermediate(stage), result.spirv, &logger, &spv_options);
-  if (const std::string log = logger.getAllMessages(); result.spirv.empty() || log.find("ERROR") != std::string::npos)
+  if (const std::string log = logger.getAllMessages();
+      result.spirv.empty() || log.find("ERROR") != std::string::npos)
     throw front_end_error(log, file, texts, hlsl);
   return result;
 }

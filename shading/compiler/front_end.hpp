@@ -1,5 +1,6 @@
-// HLSL or GLSL text in, SPIR-V out. The only place that knows glslang: when its HLSL half is gone one day, another front
-// end takes this one's place. Errors carry file:line:column of the user's text, includes and #line respected.
+// HLSL or GLSL text in, SPIR-V out. The only place that knows glslang: when its HLSL half is gone one day,
+// another front end takes this one's place. Errors carry file:line:column of the user's text, includes and
+// #line respected.
 #pragma once
 
 #include "shading/compiler/compile.hpp"
@@ -16,7 +17,8 @@ struct FrontEndResult {
   std::set<std::string> explicit_registers;  // uniforms declared with register(cN)
 };
 
-/// language is Hlsl or Glsl. Runs on the caller's thread: deep recursion is bounded by limits on nesting and size.
+/// language is Hlsl or Glsl. Runs on the caller's thread: deep recursion is bounded by limits on nesting and
+/// size.
 FrontEndResult run_front_end(const Options& options, Language language, const std::string& text);
 
 /// Largest source file, and largest total with includes, in bytes.

@@ -1,7 +1,7 @@
-// The compiler's own form of a shader: a list of nodes in source order, control flow still structured (If .. EndIf,
-// Loop .. EndLoop in the list itself). A value is a tuple of component references, so taking vectors apart, putting
-// them together, negating and taking absolute values cost nothing until registers are assigned.
-// Nodes are only ever appended; passes replace operands and leave dead nodes out of the list.
+// The compiler's own form of a shader: a list of nodes in source order, control flow still structured (If ..
+// EndIf, Loop .. EndLoop in the list itself). A value is a tuple of component references, so taking vectors
+// apart, putting them together, negating and taking absolute values cost nothing until registers are
+// assigned. Nodes are only ever appended; passes replace operands and leave dead nodes out of the list.
 #pragma once
 
 #include "shading/vm/program.hpp"
@@ -86,22 +86,22 @@ struct Node {
   vm::Opcode op = vm::Opcode::Mov;
   Sink sink = Sink::Value;
   bool saturate = false;
-  std::uint8_t width = 1;                  // components of the result
+  std::uint8_t width = 1;  // components of the result
   std::array<Lanes, 3> src{};
-  double value = 0;                        // Constant
-  std::uint32_t index = 0;                 // register; loop id of Counter and Loop; sampler of a fetch
-  Address address{};                       // Uniform, Table
-  NodeId target = 0;                       // Sink::Variable: the variable; Sink::Output: the output register
-  std::array<std::uint8_t, 4> lane_to{};   // Sink::Variable, Output: component written by each lane
-  std::int32_t trip_count = -1;            // Loop
-  std::uint32_t loop = 0;                  // innermost loop around it, 0 = none
+  double value = 0;                       // Constant
+  std::uint32_t index = 0;                // register; loop id of Counter and Loop; sampler of a fetch
+  Address address{};                      // Uniform, Table
+  NodeId target = 0;                      // Sink::Variable: the variable; Sink::Output: the output register
+  std::array<std::uint8_t, 4> lane_to{};  // Sink::Variable, Output: component written by each lane
+  std::int32_t trip_count = -1;           // Loop
+  std::uint32_t loop = 0;                 // innermost loop around it, 0 = none
   vm::SourceLine line{};
 };
 
 struct Ir {
   std::vector<Node> nodes;
-  std::vector<NodeId> order;                    // instructions, in source order
-  std::vector<std::array<double, 4>> table;     // constant arrays that are indexed at run time
+  std::vector<NodeId> order;                 // instructions, in source order
+  std::vector<std::array<double, 4>> table;  // constant arrays that are indexed at run time
 };
 
 inline bool is_instruction(const Node& n) { return n.kind == NodeKind::Instruction; }
@@ -112,7 +112,8 @@ bool is_texture(vm::Opcode op);  // four components, each where the texture unit
 /// One result whatever the operand width: dot products and everything the scalar pipe does.
 bool is_reduction(vm::Opcode op);
 bool is_scalar_pipe(vm::Opcode op);
-/// Operand components that lane `lane` of the result does not need can be dropped: true for per-component operations.
+/// Operand components that lane `lane` of the result does not need can be dropped: true for per-component
+/// operations.
 inline bool is_componentwise(vm::Opcode op) { return !is_reduction(op) && !is_texture(op); }
 /// True when the node's instruction must stay whatever reads its result.
 bool has_effect(const Node& n);

@@ -8,9 +8,12 @@ Liveness::Liveness(const Ir& ir) {
   // Only variables, what is copied into them and copies of them matter.
   const auto track = [&](NodeId id) {
     const Node& n = ir.nodes[id];
-    if (n.kind == NodeKind::Variable || (is_instruction(n) && n.sink == Sink::Value)) bit_.try_emplace(id, static_cast<std::uint32_t>(bit_.size()));
+    if (n.kind == NodeKind::Variable || (is_instruction(n) && n.sink == Sink::Value))
+      bit_.try_emplace(id, static_cast<std::uint32_t>(bit_.size()));
   };
-  const auto is_copy = [&](const Node& n) { return is_instruction(n) && n.op == Opcode::Mov && n.sink != Sink::Output; };
+  const auto is_copy = [&](const Node& n) {
+    return is_instruction(n) && n.op == Opcode::Mov && n.sink != Sink::Output;
+  };
   for (NodeId id : ir.order) {
     const Node& n = ir.nodes[id];
     if (n.sink == Sink::Variable) {
@@ -32,18 +35,25 @@ Liveness::Liveness(const Ir& ir) {
   for (std::size_t p = 0; p < size; ++p) {
     const Node& n = ir.nodes[ir.order[p]];
     switch (n.op) {
-      case Opcode::If: ifs.push_back(p); break;
-      case Opcode::Else: else_of[ifs.back()] = p; break;
+      case Opcode::If:
+        ifs.push_back(p);
+        break;
+      case Opcode::Else:
+        else_of[ifs.back()] = p;
+        break;
       case Opcode::EndIf:
         end_of[ifs.back()] = p;
         ifs.pop_back();
         break;
-      case Opcode::Loop: loops.push_back(p); break;
+      case Opcode::Loop:
+        loops.push_back(p);
+        break;
       case Opcode::EndLoop:
         end_of[loops.back()] = p;
         loops.pop_back();
         break;
-      default: break;
+      default:
+        break;
     }
   }
   for (std::size_t p = 0; p < size; ++p) {
@@ -81,7 +91,8 @@ Liveness::Liveness(const Ir& ir) {
     const auto enclosing_end = [&] {  // of the innermost loop around p
       std::size_t best = size;
       for (const auto& [begin, finish] : end_of)
-        if (ir.nodes[ir.order[begin]].op == Opcode::Loop && begin < p && p < finish) best = std::min(best, finish);
+        if (ir.nodes[ir.order[begin]].op == Opcode::Loop && begin < p && p < finish)
+          best = std::min(best, finish);
       return best;
     };
     if (end < size) next[p].push_back(end);
@@ -106,7 +117,8 @@ Liveness::Liveness(const Ir& ir) {
       case Opcode::Continue:
         if (enclosing_end() < size) next[p].push_back(enclosing_end());
         break;
-      default: break;
+      default:
+        break;
     }
   }
 

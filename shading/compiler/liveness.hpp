@@ -1,5 +1,5 @@
-// Where values that take part in copies are alive, lane by lane: the masked vector program is read as the control flow
-// one lane follows.
+// Where values that take part in copies are alive, lane by lane: the masked vector program is read as the
+// control flow one lane follows.
 #pragma once
 
 #include "shading/compiler/ir.hpp"

@@ -1,6 +1,6 @@
-// SPIR-V module in, Ir and the symbol tables of the future Program out. Walks the structured control flow once, in
-// source order; loops are unrolled here by walking their body again.
-// Anything without an exact counterpart is a UserError that names the operation and its source line.
+// SPIR-V module in, Ir and the symbol tables of the future Program out. Walks the structured control flow
+// once, in source order; loops are unrolled here by walking their body again. Anything without an exact
+// counterpart is a UserError that names the operation and its source line.
 #pragma once
 
 #include "shading/compiler/compile.hpp"
@@ -17,6 +17,7 @@ struct Lowered {
 };
 
 /// explicit_registers: uniforms declared with register(cN); the others are numbered around them.
-Lowered lower(const SpirvModule& module, vm::Stage stage, LoopMode loops, std::set<std::string> explicit_registers);
+Lowered lower(const SpirvModule& module, vm::Stage stage, LoopMode loops,
+              std::set<std::string> explicit_registers);
 
 }  // namespace aluminate::compiler

@@ -18,27 +18,44 @@ bool Lowerer::arithmetic(const SpirvInstruction& i) {
   const auto a = [&] { return vec(i.operands[0]); };
   const auto b = [&] { return vec(i.operands[1]); };
   switch (op) {
-    case spv::Op::OpFNegate: define(i, negated(a())); return true;
-    case spv::Op::OpFAdd: define(i, b_.add(a(), b())); return true;
-    case spv::Op::OpFSub: define(i, b_.sub(a(), b())); return true;
+    case spv::Op::OpFNegate:
+      define(i, negated(a()));
+      return true;
+    case spv::Op::OpFAdd:
+      define(i, b_.add(a(), b()));
+      return true;
+    case spv::Op::OpFSub:
+      define(i, b_.sub(a(), b()));
+      return true;
     case spv::Op::OpFMul:
-    case spv::Op::OpVectorTimesScalar: define(i, b_.mul(a(), b())); return true;
-    case spv::Op::OpFDiv: define(i, b_.divide(a(), b())); return true;
+    case spv::Op::OpVectorTimesScalar:
+      define(i, b_.mul(a(), b()));
+      return true;
+    case spv::Op::OpFDiv:
+      define(i, b_.divide(a(), b()));
+      return true;
     case spv::Op::OpFMod:
     case spv::Op::OpFRem: {
       const Lanes quotient = b_.divide(a(), b());
       // HLSL's fmod and % truncate; glslang writes the flooring operation for them.
-      const Lanes whole = op == spv::Op::OpFMod && !m_.is_hlsl() ? b_.floor(quotient) : b_.op(Opcode::Trunc, quotient);
+      const Lanes whole =
+          op == spv::Op::OpFMod && !m_.is_hlsl() ? b_.floor(quotient) : b_.op(Opcode::Trunc, quotient);
       define(i, b_.sub(a(), b_.mul(b(), whole)));
       return true;
     }
-    case spv::Op::OpDot: define(i, b_.dot(a(), b())); return true;
+    case spv::Op::OpDot:
+      define(i, b_.dot(a(), b()));
+      return true;
     case spv::Op::OpDPdx:
     case spv::Op::OpDPdxFine:
-    case spv::Op::OpDPdxCoarse: define(i, b_.op(Opcode::DsX, a())); return true;
+    case spv::Op::OpDPdxCoarse:
+      define(i, b_.op(Opcode::DsX, a()));
+      return true;
     case spv::Op::OpDPdy:
     case spv::Op::OpDPdyFine:
-    case spv::Op::OpDPdyCoarse: define(i, b_.op(Opcode::DsY, a())); return true;
+    case spv::Op::OpDPdyCoarse:
+      define(i, b_.op(Opcode::DsY, a()));
+      return true;
     case spv::Op::OpFwidth:
     case spv::Op::OpFwidthFine:
     case spv::Op::OpFwidthCoarse: {
@@ -49,8 +66,11 @@ bool Lowerer::arithmetic(const SpirvInstruction& i) {
       return true;
     }
     case spv::Op::OpQuantizeToF16:
-    case spv::Op::OpFConvert: define(i, value(i.operands[0])); return true;
-    default: return false;
+    case spv::Op::OpFConvert:
+      define(i, value(i.operands[0]));
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -61,46 +81,68 @@ bool Lowerer::comparison(const SpirvInstruction& i) {
     case spv::Op::OpFOrdLessThan:
     case spv::Op::OpFUnordLessThan:
     case spv::Op::OpSLessThan:
-    case spv::Op::OpULessThan: define(i, b_.op(Opcode::Sgt, b(), a())); return true;
+    case spv::Op::OpULessThan:
+      define(i, b_.op(Opcode::Sgt, b(), a()));
+      return true;
     case spv::Op::OpFOrdGreaterThan:
     case spv::Op::OpFUnordGreaterThan:
     case spv::Op::OpSGreaterThan:
-    case spv::Op::OpUGreaterThan: define(i, b_.op(Opcode::Sgt, a(), b())); return true;
+    case spv::Op::OpUGreaterThan:
+      define(i, b_.op(Opcode::Sgt, a(), b()));
+      return true;
     case spv::Op::OpFOrdLessThanEqual:
     case spv::Op::OpFUnordLessThanEqual:
     case spv::Op::OpSLessThanEqual:
-    case spv::Op::OpULessThanEqual: define(i, b_.op(Opcode::Sge, b(), a())); return true;
+    case spv::Op::OpULessThanEqual:
+      define(i, b_.op(Opcode::Sge, b(), a()));
+      return true;
     case spv::Op::OpFOrdGreaterThanEqual:
     case spv::Op::OpFUnordGreaterThanEqual:
     case spv::Op::OpSGreaterThanEqual:
-    case spv::Op::OpUGreaterThanEqual: define(i, b_.op(Opcode::Sge, a(), b())); return true;
+    case spv::Op::OpUGreaterThanEqual:
+      define(i, b_.op(Opcode::Sge, a(), b()));
+      return true;
     case spv::Op::OpFOrdEqual:
     case spv::Op::OpFUnordEqual:
     case spv::Op::OpIEqual:
-    case spv::Op::OpLogicalEqual: define(i, b_.op(Opcode::Seq, a(), b())); return true;
+    case spv::Op::OpLogicalEqual:
+      define(i, b_.op(Opcode::Seq, a(), b()));
+      return true;
     case spv::Op::OpFOrdNotEqual:
     case spv::Op::OpFUnordNotEqual:
     case spv::Op::OpINotEqual:
-    case spv::Op::OpLogicalNotEqual: define(i, b_.op(Opcode::Sne, a(), b())); return true;
-    case spv::Op::OpLogicalNot: define(i, b_.logical_not(a())); return true;
-    case spv::Op::OpLogicalAnd: define(i, b_.mul(a(), b())); return true;
-    case spv::Op::OpLogicalOr: define(i, b_.op(Opcode::Max, a(), b())); return true;
+    case spv::Op::OpLogicalNotEqual:
+      define(i, b_.op(Opcode::Sne, a(), b()));
+      return true;
+    case spv::Op::OpLogicalNot:
+      define(i, b_.logical_not(a()));
+      return true;
+    case spv::Op::OpLogicalAnd:
+      define(i, b_.mul(a(), b()));
+      return true;
+    case spv::Op::OpLogicalOr:
+      define(i, b_.op(Opcode::Max, a(), b()));
+      return true;
     case spv::Op::OpAny:
     case spv::Op::OpAll: {
       const Lanes v = a();
       Lanes result = v[0];
       for (int k = 1; k < v.size; ++k)
-        result = static_cast<spv::Op>(i.op) == spv::Op::OpAny ? b_.op(Opcode::Max, result, v[k]) : b_.mul(result, v[k]);
+        result = static_cast<spv::Op>(i.op) == spv::Op::OpAny ? b_.op(Opcode::Max, result, v[k])
+                                                              : b_.mul(result, v[k]);
       define(i, result);
       return true;
     }
     case spv::Op::OpIsNan:
-    case spv::Op::OpIsInf: define(i, splat(num(0), a().size)); return true;  // no register holds either
+    case spv::Op::OpIsInf:
+      define(i, splat(num(0), a().size));
+      return true;  // no register holds either
     case spv::Op::OpSelect: {
       const Tuple yes = value(i.operands[1]), no = value(i.operands[2]);
       Lanes condition = vec(i.operands[0]);
       Tuple result;
-      for (std::size_t first = 0; first < yes.size(); first += 4) {  // whole structs and matrices may be selected
+      for (std::size_t first = 0; first < yes.size();
+           first += 4) {  // whole structs and matrices may be selected
         Lanes y, n;
         for (std::size_t k = first; k < std::min(first + 4, yes.size()); ++k) {
           y.push(yes[k]);
@@ -111,7 +153,8 @@ bool Lowerer::comparison(const SpirvInstruction& i) {
       define(i, result);
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -173,7 +216,8 @@ bool Lowerer::composite(const SpirvInstruction& i) {
       define(i, v);
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -212,7 +256,9 @@ bool Lowerer::matrix(const SpirvInstruction& i) {
     return t;
   };
   switch (static_cast<spv::Op>(i.op)) {
-    case spv::Op::OpMatrixTimesVector: define(i, transform(columns(i.operands[0]), vec(i.operands[1]))); return true;
+    case spv::Op::OpMatrixTimesVector:
+      define(i, transform(columns(i.operands[0]), vec(i.operands[1])));
+      return true;
     case spv::Op::OpVectorTimesMatrix: {
       const std::vector<Lanes> c = columns(i.operands[1]);
       const Lanes v = vec(i.operands[0]);
@@ -238,7 +284,9 @@ bool Lowerer::matrix(const SpirvInstruction& i) {
       define(i, flatten(result));
       return true;
     }
-    case spv::Op::OpTranspose: define(i, flatten(transposed(columns(i.operands[0])))); return true;
+    case spv::Op::OpTranspose:
+      define(i, flatten(transposed(columns(i.operands[0]))));
+      return true;
     case spv::Op::OpOuterProduct: {
       const Lanes a = vec(i.operands[0]);
       std::vector<Lanes> result;
@@ -246,7 +294,8 @@ bool Lowerer::matrix(const SpirvInstruction& i) {
       define(i, flatten(result));
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 

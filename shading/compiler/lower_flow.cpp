@@ -1,9 +1,9 @@
-// Control flow. SPIR-V's structured constructs become If/Else/EndIf and Loop/EndLoop; values that meet at a join are
-// copied into a variable on every edge. A jump out of the middle (break, continue, an early return turned into a jump)
-// is one of:
+// Control flow. SPIR-V's structured constructs become If/Else/EndIf and Loop/EndLoop; values that meet at a
+// join are copied into a variable on every edge. A jump out of the middle (break, continue, an early return
+// turned into a jump) is one of:
 //   Break, Continue    when the label belongs to the innermost machine loop
-//   nesting            when one side of an if always jumps to where the walk ends: the rest moves into the other side
-//   a loop that runs once around the construct, left by Break, when neither fits
+//   nesting            when one side of an if always jumps to where the walk ends: the rest moves into the
+//   other side a loop that runs once around the construct, left by Break, when neither fits
 #include "shading/compiler/lowerer.hpp"
 
 #include <spirv/unified1/spirv.hpp11>
@@ -25,14 +25,17 @@ spv::Op op_of(const SpirvInstruction& i) { return static_cast<spv::Op>(i.op); }
 std::vector<SpvId> Lowerer::successors(const SpirvBlock& block) const {
   const SpirvInstruction& t = block.terminator();
   switch (op_of(t)) {
-    case spv::Op::OpBranch: return {t.operands[0]};
-    case spv::Op::OpBranchConditional: return {t.operands[1], t.operands[2]};
+    case spv::Op::OpBranch:
+      return {t.operands[0]};
+    case spv::Op::OpBranchConditional:
+      return {t.operands[1], t.operands[2]};
     case spv::Op::OpSwitch: {
       std::vector<SpvId> targets{t.operands[1]};
       for (std::size_t k = 3; k < t.operands.size(); k += 2) targets.push_back(t.operands[k]);
       return targets;
     }
-    default: return {};
+    default:
+      return {};
   }
 }
 
@@ -43,7 +46,8 @@ std::unordered_set<SpvId> Lowerer::region(SpvId first, const std::vector<SpvId>&
   while (!open.empty()) {
     const SpvId label = open.back();
     open.pop_back();
-    if (std::find(bounds.begin(), bounds.end(), label) != bounds.end() || !seen.insert(label).second) continue;
+    if (std::find(bounds.begin(), bounds.end(), label) != bounds.end() || !seen.insert(label).second)
+      continue;
     for (SpvId next : successors(m_.block(label))) open.push_back(next);
   }
   return seen;
@@ -89,13 +93,17 @@ bool Lowerer::nestable(SpvId label, SpvId stop) const {
         continue;
       }
       if (next.size() != 2) return false;
-      if (find_exit(next[0]) != nullptr && next[0] != stop) label = next[1];
-      else if (find_exit(next[1]) != nullptr && next[1] != stop) label = next[0];
-      else return nestable(next[0], stop) && nestable(next[1], stop);
+      if (find_exit(next[0]) != nullptr && next[0] != stop)
+        label = next[1];
+      else if (find_exit(next[1]) != nullptr && next[1] != stop)
+        label = next[0];
+      else
+        return nestable(next[0], stop) && nestable(next[1], stop);
       continue;
     }
     const SpvId m = merge->operands[0];
-    if ((op_of(*merge) == spv::Op::OpLoopMerge && !open_loops_.contains(label)) || op_of(t) == spv::Op::OpSwitch) {
+    if ((op_of(*merge) == spv::Op::OpLoopMerge && !open_loops_.contains(label)) ||
+        op_of(t) == spv::Op::OpSwitch) {
       const auto inside = region(label, {m});
       for (SpvId l : inside)
         for (SpvId next : successors(m_.block(l)))
@@ -120,101 +128,8 @@ bool Lowerer::nestable(SpvId label, SpvId stop) const {
   return false;
 }
 
-// ---- joins ---------------------------------------------------------------------------------------------------------
-
-void Lowerer::open_join(SpvId label) {
-  Join join;
-  for (const SpirvInstruction& i : m_.block(label).code) {
-    if (op_of(i) != spv::Op::OpPhi) break;
-    const std::uint32_t scalars = m_.scalar_count(i.type);
-    std::vector<NodeId> nodes;
-    for (std::uint32_t first = 0; first < scalars; first += 4)
-      nodes.push_back(b_.variable(static_cast<int>(std::min(4u, scalars - first))));
-    join.phis.push_back(i.result);
-    join.variables.push_back(std::move(nodes));
-  }
-  joins_[label] = std::move(join);
-}
-
-std::vector<std::pair<NodeId, Lanes>> Lowerer::edge_copies(SpvId from, SpvId to) {
-  std::vector<std::pair<NodeId, Lanes>> copies;
-  auto join = joins_.find(to);
-  if (join == joins_.end()) return copies;
-  for (std::size_t k = 0; k < join->second.phis.size(); ++k) {
-    const SpirvInstruction& phi = *m_.definition(join->second.phis[k]);
-    for (std::size_t o = 0; o + 1 < phi.operands.size(); o += 2) {
-      if (phi.operands[o + 1] != from) continue;
-      if (op_of(*m_.definition(phi.operands[o])) == spv::Op::OpUndef) break;
-      const Tuple v = value(phi.operands[o]);
-      for (std::size_t first = 0; first < v.size(); first += 4) {
-        Lanes part;
-        for (std::size_t c = first; c < std::min(first + 4, v.size()); ++c) part.push(v[c]);
-        const NodeId target = join->second.variables[k][first / 4];
-        bool same = true;  // a value that already lies in its variable
-        for (int c = 0; c < part.size; ++c)
-          same = same && part[c] == Ref{target, static_cast<std::uint8_t>(c), false, false};
-        if (!same) copies.emplace_back(target, part);
-      }
-      break;
-    }
-  }
-  return copies;
-}
-
-bool Lowerer::edge_is_empty(SpvId from, SpvId to) { return edge_copies(from, to).empty(); }
-
-// All sources are read before any variable is written.
-void Lowerer::parallel_copy(const std::vector<std::pair<NodeId, Lanes>>& copies) {
-  std::vector<std::pair<NodeId, Lanes>> pending = copies;
-  std::set<NodeId> targets;
-  for (const auto& [target, v] : pending) targets.insert(target);
-  while (!pending.empty()) {
-    // A copy may go first when no other pending copy still reads its target.
-    auto ready = std::find_if(pending.begin(), pending.end(), [&](const auto& c) {
-      return std::none_of(pending.begin(), pending.end(), [&](const auto& other) {
-        return &other != &c && std::any_of(other.second.begin(), other.second.end(), [&](Ref r) { return r.node == c.first; });
-      });
-    });
-    if (ready == pending.end()) {  // a cycle: save one value
-      const NodeId saved = pending.front().first;
-      Lanes whole;
-      for (std::uint8_t k = 0; k < out_.ir.nodes[saved].width; ++k) whole.push({saved, k});
-      const Lanes copy = b_.snapshot(whole);
-      for (auto& [target, v] : pending)
-        for (Ref& r : v)
-          if (r.node == saved) r = {copy[r.lane].node, copy[r.lane].lane, r.negate, r.absolute};
-      continue;
-    }
-    b_.write(Sink::Variable, ready->first, ready->second, {0, 1, 2, 3});
-    pending.erase(ready);
-  }
-}
-
-void Lowerer::edge(SpvId from, SpvId to) { parallel_copy(edge_copies(from, to)); }
-
-// Gives the phis of a block their values: variables when several edges were joined, else what comes over this edge.
-void Lowerer::enter_block(SpvId pred, SpvId label) {
-  std::vector<std::pair<SpvId, Tuple>> incoming;
-  auto join = joins_.find(label);
-  if (join != joins_.end()) {
-    for (std::size_t k = 0; k < join->second.phis.size(); ++k) {
-      Tuple v;
-      for (NodeId node : join->second.variables[k])
-        for (std::uint8_t c = 0; c < out_.ir.nodes[node].width; ++c) v.push_back({node, c});
-      incoming.emplace_back(join->second.phis[k], std::move(v));
-    }
-    if (!open_loops_.contains(label)) joins_.erase(join);  // a header's is written again on the back edge
-  } else {
-    for (const SpirvInstruction& i : m_.block(label).code) {
-      if (op_of(i) != spv::Op::OpPhi) break;
-      for (std::size_t o = 0; o + 1 < i.operands.size(); o += 2)
-        if (i.operands[o + 1] == pred) incoming.emplace_back(i.result, value(i.operands[o]));
-    }
-  }
-  for (auto& [id, v] : incoming) values_[id] = std::move(v);
-}
-
-// ---- branches ------------------------------------------------------------------------------------------------------
+// ---- branches
+// ------------------------------------------------------------------------------------------------------
 
 void Lowerer::begin_if(Ref condition) {
   b_.flow(Opcode::If, condition);
@@ -232,8 +147,10 @@ void Lowerer::end_if() {
   std::vector<NodeId>& order = out_.ir.order;
   const auto last_is = [&](Opcode op) { return !order.empty() && out_.ir.nodes[order.back()].op == op; };
   if (last_is(Opcode::Else)) order.pop_back();  // nothing on the other side
-  if (last_is(Opcode::If)) order.pop_back();    // nothing at all
-  else b_.flow(Opcode::EndIf);
+  if (last_is(Opcode::If))
+    order.pop_back();  // nothing at all
+  else
+    b_.flow(Opcode::EndIf);
 }
 
 // Follows blocks that only jump on to where they end: the last of them, and the label it jumps to.
@@ -273,16 +190,21 @@ bool Lowerer::is_kill_block(SpvId label, SpvId merge) const {
   bool kills = false;
   for (const SpirvInstruction& i : block.code) switch (op_of(i)) {
       case spv::Op::OpKill:
-      case spv::Op::OpTerminateInvocation: return true;
-      case spv::Op::OpDemoteToHelperInvocation: kills = true; break;
+      case spv::Op::OpTerminateInvocation:
+        return true;
+      case spv::Op::OpDemoteToHelperInvocation:
+        kills = true;
+        break;
       case spv::Op::OpFunctionCall:
         if (!m_.kills(i.operands[0])) return false;
         kills = true;
         break;
-      case spv::Op::OpUnreachable: return kills;
+      case spv::Op::OpUnreachable:
+        return kills;
       case spv::Op::OpBranch:
         return kills && i.operands[0] == merge && op_of(m_.block(merge).code.front()) != spv::Op::OpPhi;
-      default: return false;
+      default:
+        return false;
     }
   return false;
 }
@@ -295,7 +217,8 @@ bool Lowerer::walk(SpvId pred, SpvId label, SpvId stop, bool inside) {
     explicit Depth(int& depth) : d(depth) { ++d; }
     ~Depth() { --d; }
   } depth(walk_depth_);
-  if (walk_depth_ > kMaxNesting) throw UserError(place(b_.line()), fmt::format("control flow is nested deeper than {}", kMaxNesting));
+  if (walk_depth_ > kMaxNesting)
+    throw UserError(place(b_.line()), fmt::format("control flow is nested deeper than {}", kMaxNesting));
 
   while (true) {
     if (label == stop && !inside) {
@@ -335,11 +258,14 @@ bool Lowerer::walk(SpvId pred, SpvId label, SpvId stop, bool inside) {
         if (machine_depth_ > 0) b_.flow(Opcode::Break, num(1));  // or its loop might never end
         return false;
       case spv::Op::OpReturn:
-      case spv::Op::OpUnreachable: return false;
+      case spv::Op::OpUnreachable:
+        return false;
       case spv::Op::OpBranchConditional: {
         bool done = false, falls = false;
         SpvId next = 0;
-        selection(label, merge != nullptr && op_of(*merge) == spv::Op::OpSelectionMerge ? merge->operands[0] : 0, stop, next, done, falls);
+        selection(label,
+                  merge != nullptr && op_of(*merge) == spv::Op::OpSelectionMerge ? merge->operands[0] : 0,
+                  stop, next, done, falls);
         if (done) return falls;
         pred = next_pred_;
         label = next;
@@ -357,7 +283,8 @@ bool Lowerer::walk(SpvId pred, SpvId label, SpvId stop, bool inside) {
         }
         continue;
       }
-      default: refuse(t, spirv_op_name(t.op));
+      default:
+        refuse(t, spirv_op_name(t.op));
     }
   }
 }
@@ -463,7 +390,8 @@ void Lowerer::selection(SpvId from, SpvId merge, SpvId stop, SpvId& next, bool& 
   inside.merge(region(no, bounds));
   keep_in_registers(inside, kept);
   open_join(merge);
-  const bool empty_yes = yes == merge && edge_is_empty(from, merge), empty_no = no == merge && edge_is_empty(from, merge);
+  const bool empty_yes = yes == merge && edge_is_empty(from, merge),
+             empty_no = no == merge && edge_is_empty(from, merge);
   if (empty_yes && empty_no) {
     // nothing on either side
   } else if (empty_yes) {
@@ -527,7 +455,8 @@ void Lowerer::switch_case(SpvId from, SpvId merge) {
       begin_if(hit[0]);
       falls = walk(from, label, merge) || falls;
       begin_else();
-      if (++open > kMaxNesting) refuse(t, fmt::format("a switch with more than {} cases", kMaxNesting), "index a table instead");
+      if (++open > kMaxNesting)
+        refuse(t, fmt::format("a switch with more than {} cases", kMaxNesting), "index a table instead");
     }
     falls = walk(from, default_label, merge) || falls;
     for (; open > 0; --open) end_if();

@@ -58,7 +58,8 @@ Lanes Lowerer::arc_tangent(const Lanes& x) {
   const Lanes t = b_.mul(low, b_.op(Opcode::Rcp, high));
   const Lanes s = b_.mul(t, t);
   Lanes p = num(0.0028662257);
-  for (double k : {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944, 0.1999355085, -0.3333314528})
+  for (double k :
+       {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944, 0.1999355085, -0.3333314528})
     p = b_.add(b_.mul(p, s), num(k));
   p = b_.add(b_.mul(b_.mul(p, s), t), t);
   p = b_.choose(b_.op(Opcode::Sgt, a, num(1)), b_.sub(num(1.57079632679490), p), p);
@@ -75,16 +76,28 @@ void Lowerer::glsl_std(const SpirvInstruction& i) {
   };
   switch (op) {
     case GLSLstd450FAbs:
-    case GLSLstd450SAbs: define(i, magnitude(arg(0))); return;
+    case GLSLstd450SAbs:
+      define(i, magnitude(arg(0)));
+      return;
     case GLSLstd450FSign:
     case GLSLstd450SSign:
       define(i, b_.op(Opcode::CndGt, arg(0), num(1), b_.op(Opcode::CndGe, arg(0), num(0), num(-1))));
       return;
-    case GLSLstd450Floor: define(i, b_.floor(arg(0))); return;
-    case GLSLstd450Ceil: define(i, negated(b_.floor(negated(arg(0))))); return;
-    case GLSLstd450Fract: define(i, b_.op(Opcode::Frc, arg(0))); return;
-    case GLSLstd450Trunc: define(i, b_.op(Opcode::Trunc, arg(0))); return;
-    case GLSLstd450Round: define(i, b_.floor(b_.add(arg(0), num(0.5)))); return;
+    case GLSLstd450Floor:
+      define(i, b_.floor(arg(0)));
+      return;
+    case GLSLstd450Ceil:
+      define(i, negated(b_.floor(negated(arg(0)))));
+      return;
+    case GLSLstd450Fract:
+      define(i, b_.op(Opcode::Frc, arg(0)));
+      return;
+    case GLSLstd450Trunc:
+      define(i, b_.op(Opcode::Trunc, arg(0)));
+      return;
+    case GLSLstd450Round:
+      define(i, b_.floor(b_.add(arg(0), num(0.5))));
+      return;
     case GLSLstd450RoundEven: {
       // floor(x + 1/2), one less where that is an odd number met exactly halfway
       const Lanes x = arg(0), up = b_.floor(b_.add(x, num(0.5)));
@@ -103,7 +116,8 @@ void Lowerer::glsl_std(const SpirvInstruction& i) {
         if (!b_.all_constant(bound, 1)) continue;
         const Node n = b_.node(v[0]);
         bool one = is_instruction(n) && n.op == Opcode::Max && !n.saturate && n.width == v.size;
-        for (int k = 0; k < v.size; ++k) one = one && v[k] == Ref{v[0].node, static_cast<std::uint8_t>(k), false, false};
+        for (int k = 0; k < v.size; ++k)
+          one = one && v[k] == Ref{v[0].node, static_cast<std::uint8_t>(k), false, false};
         if (!one) continue;
         if (b_.all_constant(n.src[1], 0)) return define(i, b_.saturate(n.src[0]));
         if (b_.all_constant(n.src[0], 0)) return define(i, b_.saturate(n.src[1]));
@@ -120,7 +134,8 @@ void Lowerer::glsl_std(const SpirvInstruction& i) {
         if (!b_.all_constant(bound, 0)) continue;
         const Node n = b_.node(v[0]);
         bool one = is_instruction(n) && n.op == Opcode::Min && !n.saturate && n.width == v.size;
-        for (int k = 0; k < v.size; ++k) one = one && v[k] == Ref{v[0].node, static_cast<std::uint8_t>(k), false, false};
+        for (int k = 0; k < v.size; ++k)
+          one = one && v[k] == Ref{v[0].node, static_cast<std::uint8_t>(k), false, false};
         if (!one) continue;
         if (b_.all_constant(n.src[1], 1)) return define(i, b_.saturate(n.src[0]));
         if (b_.all_constant(n.src[0], 1)) return define(i, b_.saturate(n.src[1]));
@@ -131,19 +146,36 @@ void Lowerer::glsl_std(const SpirvInstruction& i) {
     case GLSLstd450FClamp:
     case GLSLstd450NClamp:
     case GLSLstd450SClamp:
-    case GLSLstd450UClamp: define(i, clamp(arg(0), arg(1), arg(2))); return;
-    case GLSLstd450FMix: define(i, mix(arg(0), arg(1), arg(2))); return;
-    case GLSLstd450Step: define(i, b_.op(Opcode::Sge, arg(1), arg(0))); return;
+    case GLSLstd450UClamp:
+      define(i, clamp(arg(0), arg(1), arg(2)));
+      return;
+    case GLSLstd450FMix:
+      define(i, mix(arg(0), arg(1), arg(2)));
+      return;
+    case GLSLstd450Step:
+      define(i, b_.op(Opcode::Sge, arg(1), arg(0)));
+      return;
     case GLSLstd450SmoothStep: {
       const Lanes t = b_.saturate(b_.divide(b_.sub(arg(2), arg(0)), b_.sub(arg(1), arg(0))));
       define(i, b_.mul(b_.mul(t, t), b_.add(b_.mul(t, num(-2)), num(3))));
       return;
     }
-    case GLSLstd450Fma: define(i, b_.add(b_.mul(arg(0), arg(1)), arg(2))); return;
-    case GLSLstd450Radians: define(i, b_.mul(arg(0), num(0.017453292519943295))); return;
-    case GLSLstd450Degrees: define(i, b_.mul(arg(0), num(57.29577951308232))); return;
-    case GLSLstd450InterpolateAtCentroid: refuse(i, "InterpolateAtCentroid", "interpolate at the pixel centre");
-    default: refuse(i, glsl_std_name(op), op == GLSLstd450MatrixInverse || op == GLSLstd450Determinant ? "compute it outside the shader and pass it in" : "");
+    case GLSLstd450Fma:
+      define(i, b_.add(b_.mul(arg(0), arg(1)), arg(2)));
+      return;
+    case GLSLstd450Radians:
+      define(i, b_.mul(arg(0), num(0.017453292519943295)));
+      return;
+    case GLSLstd450Degrees:
+      define(i, b_.mul(arg(0), num(57.29577951308232)));
+      return;
+    case GLSLstd450InterpolateAtCentroid:
+      refuse(i, "InterpolateAtCentroid", "interpolate at the pixel centre");
+    default:
+      refuse(i, glsl_std_name(op),
+             op == GLSLstd450MatrixInverse || op == GLSLstd450Determinant
+                 ? "compute it outside the shader and pass it in"
+                 : "");
   }
 }
 
@@ -151,25 +183,54 @@ bool Lowerer::glsl_transcendental(std::uint32_t op, const SpirvInstruction& i) {
   constexpr double kLog2E = 1.4426950408889634, kLn2 = 0.6931471805599453;
   const auto arg = [&](std::size_t k) { return vec(i.operands[2 + k]); };
   switch (op) {
-    case GLSLstd450Sqrt: define(i, b_.op(Opcode::Sqrt, arg(0))); return true;
-    case GLSLstd450InverseSqrt: define(i, b_.op(Opcode::Rsq, arg(0))); return true;
-    case GLSLstd450Exp2: define(i, b_.op(Opcode::Exp, arg(0))); return true;
-    case GLSLstd450Log2: define(i, b_.op(Opcode::Log, arg(0))); return true;
-    case GLSLstd450Exp: define(i, b_.op(Opcode::Exp, b_.mul(arg(0), num(kLog2E)))); return true;
-    case GLSLstd450Log: define(i, b_.mul(b_.op(Opcode::Log, arg(0)), num(kLn2))); return true;
-    case GLSLstd450Pow: define(i, power(arg(0), arg(1))); return true;
-    case GLSLstd450Ldexp: define(i, b_.mul(arg(0), b_.op(Opcode::Exp, arg(1)))); return true;
-    case GLSLstd450Sin: define(i, b_.op(Opcode::Sin, arg(0))); return true;
-    case GLSLstd450Cos: define(i, b_.op(Opcode::Cos, arg(0))); return true;
-    case GLSLstd450Tan: define(i, b_.divide(b_.op(Opcode::Sin, arg(0)), b_.op(Opcode::Cos, arg(0)))); return true;
-    case GLSLstd450Acos: define(i, arc_cosine(arg(0))); return true;
-    case GLSLstd450Asin: define(i, b_.sub(num(1.5707963267949), arc_cosine(arg(0)))); return true;
-    case GLSLstd450Atan: define(i, arc_tangent(arg(0))); return true;
+    case GLSLstd450Sqrt:
+      define(i, b_.op(Opcode::Sqrt, arg(0)));
+      return true;
+    case GLSLstd450InverseSqrt:
+      define(i, b_.op(Opcode::Rsq, arg(0)));
+      return true;
+    case GLSLstd450Exp2:
+      define(i, b_.op(Opcode::Exp, arg(0)));
+      return true;
+    case GLSLstd450Log2:
+      define(i, b_.op(Opcode::Log, arg(0)));
+      return true;
+    case GLSLstd450Exp:
+      define(i, b_.op(Opcode::Exp, b_.mul(arg(0), num(kLog2E))));
+      return true;
+    case GLSLstd450Log:
+      define(i, b_.mul(b_.op(Opcode::Log, arg(0)), num(kLn2)));
+      return true;
+    case GLSLstd450Pow:
+      define(i, power(arg(0), arg(1)));
+      return true;
+    case GLSLstd450Ldexp:
+      define(i, b_.mul(arg(0), b_.op(Opcode::Exp, arg(1))));
+      return true;
+    case GLSLstd450Sin:
+      define(i, b_.op(Opcode::Sin, arg(0)));
+      return true;
+    case GLSLstd450Cos:
+      define(i, b_.op(Opcode::Cos, arg(0)));
+      return true;
+    case GLSLstd450Tan:
+      define(i, b_.divide(b_.op(Opcode::Sin, arg(0)), b_.op(Opcode::Cos, arg(0))));
+      return true;
+    case GLSLstd450Acos:
+      define(i, arc_cosine(arg(0)));
+      return true;
+    case GLSLstd450Asin:
+      define(i, b_.sub(num(1.5707963267949), arc_cosine(arg(0))));
+      return true;
+    case GLSLstd450Atan:
+      define(i, arc_tangent(arg(0)));
+      return true;
     case GLSLstd450Atan2: {
       // atan(y/x), moved by pi with the sign of y on the left half plane
       const Lanes y = arg(0), x = arg(1);
       const Lanes right = arc_tangent(b_.divide(y, x));
-      const Lanes turn = b_.choose(b_.op(Opcode::Sge, y, num(0)), num(3.14159265358979), num(-3.14159265358979));
+      const Lanes turn =
+          b_.choose(b_.op(Opcode::Sge, y, num(0)), num(3.14159265358979), num(-3.14159265358979));
       define(i, b_.choose(b_.op(Opcode::Sge, x, num(0)), right, b_.add(right, turn)));
       return true;
     }
@@ -178,25 +239,36 @@ bool Lowerer::glsl_transcendental(std::uint32_t op, const SpirvInstruction& i) {
     case GLSLstd450Tanh: {
       const Lanes e = b_.op(Opcode::Exp, b_.mul(arg(0), num(kLog2E))), inverse = b_.op(Opcode::Rcp, e);
       const Lanes sum = b_.add(e, inverse), difference = b_.sub(e, inverse);
-      if (op == GLSLstd450Sinh) define(i, b_.mul(difference, num(0.5)));
-      else if (op == GLSLstd450Cosh) define(i, b_.mul(sum, num(0.5)));
-      else define(i, b_.divide(difference, sum));
+      if (op == GLSLstd450Sinh)
+        define(i, b_.mul(difference, num(0.5)));
+      else if (op == GLSLstd450Cosh)
+        define(i, b_.mul(sum, num(0.5)));
+      else
+        define(i, b_.divide(difference, sum));
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
 bool Lowerer::glsl_geometric(std::uint32_t op, const SpirvInstruction& i) {
   const auto arg = [&](std::size_t k) { return vec(i.operands[2 + k]); };
   const auto length = [&](const Lanes& v) -> Lanes {
-    if (v.size == 1) return b_.value_of(v[0]) ? Lanes(num(std::fabs(*b_.value_of(v[0])))) : Lanes(absolute(v[0]));
+    if (v.size == 1)
+      return b_.value_of(v[0]) ? Lanes(num(std::fabs(*b_.value_of(v[0])))) : Lanes(absolute(v[0]));
     return b_.op(Opcode::Sqrt, b_.dot(v, v));
   };
   switch (op) {
-    case GLSLstd450Length: define(i, length(arg(0))); return true;
-    case GLSLstd450Distance: define(i, length(b_.sub(arg(0), arg(1)))); return true;
-    case GLSLstd450Normalize: define(i, normalize(arg(0))); return true;
+    case GLSLstd450Length:
+      define(i, length(arg(0)));
+      return true;
+    case GLSLstd450Distance:
+      define(i, length(b_.sub(arg(0), arg(1))));
+      return true;
+    case GLSLstd450Normalize:
+      define(i, normalize(arg(0)));
+      return true;
     case GLSLstd450Cross: {
       const Lanes a = arg(0), b = arg(1);
       const auto turn = [](const Lanes& v, int first) {
@@ -228,7 +300,8 @@ bool Lowerer::glsl_geometric(std::uint32_t op, const SpirvInstruction& i) {
       define(i, b_.choose(b_.op(Opcode::Sgt, num(0), b_.dot(arg(2), arg(1))), n, negated(n)));
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 

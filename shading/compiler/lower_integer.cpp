@@ -1,5 +1,5 @@
-// Integers are numbers without a fraction. Every result below is exact while operands and results stay under 2^20 in
-// magnitude, in every number format that can hold them; nothing wraps around.
+// Integers are numbers without a fraction. Every result below is exact while operands and results stay under
+// 2^20 in magnitude, in every number format that can hold them; nothing wraps around.
 #include "shading/compiler/lowerer.hpp"
 
 #include <spirv/unified1/spirv.hpp11>
@@ -11,8 +11,9 @@ namespace aluminate::compiler {
 
 using vm::Opcode;
 
-// Quotient towards zero. (|a| + 1/2) * rcp(|b|) is off the true quotient by less than one for |a|, |b| < 2^20 on any grid
-// of 2^-16 or finer, so its floor is at most one away; one comparison of the remainder on each side settles it.
+// Quotient towards zero. (|a| + 1/2) * rcp(|b|) is off the true quotient by less than one for |a|, |b| < 2^20
+// on any grid of 2^-16 or finer, so its floor is at most one away; one comparison of the remainder on each
+// side settles it.
 Lanes Lowerer::divide_integers(const Lanes& a, const Lanes& b, bool is_signed) {
   Lanes n = a, d = b;
   if (is_signed) {
@@ -22,7 +23,8 @@ Lanes Lowerer::divide_integers(const Lanes& a, const Lanes& b, bool is_signed) {
   bool power_of_two = true;
   for (Ref r : d) {
     const auto v = b_.value_of(r);
-    power_of_two = power_of_two && v && *v >= 1 && *v <= 0x1p16 && std::has_single_bit(static_cast<std::uint32_t>(*v)) && *v == std::floor(*v);
+    power_of_two = power_of_two && v && *v >= 1 && *v <= 0x1p16 &&
+                   std::has_single_bit(static_cast<std::uint32_t>(*v)) && *v == std::floor(*v);
   }
   if (power_of_two) {
     const Lanes scaled = b_.mul(a, b_.op(Opcode::Rcp, d));
@@ -52,18 +54,30 @@ bool Lowerer::integer_arithmetic(const SpirvInstruction& i) {
     return first;
   };
   switch (op) {
-    case spv::Op::OpSNegate: define(i, negated(a())); return true;
-    case spv::Op::OpIAdd: define(i, b_.add(a(), b())); return true;
-    case spv::Op::OpISub: define(i, b_.sub(a(), b())); return true;
-    case spv::Op::OpIMul: define(i, b_.mul(a(), b())); return true;
+    case spv::Op::OpSNegate:
+      define(i, negated(a()));
+      return true;
+    case spv::Op::OpIAdd:
+      define(i, b_.add(a(), b()));
+      return true;
+    case spv::Op::OpISub:
+      define(i, b_.sub(a(), b()));
+      return true;
+    case spv::Op::OpIMul:
+      define(i, b_.mul(a(), b()));
+      return true;
     case spv::Op::OpSDiv:
-    case spv::Op::OpUDiv: define(i, divide_integers(a(), b(), op == spv::Op::OpSDiv)); return true;
+    case spv::Op::OpUDiv:
+      define(i, divide_integers(a(), b(), op == spv::Op::OpSDiv));
+      return true;
     case spv::Op::OpSRem:
     case spv::Op::OpUMod:
     case spv::Op::OpSMod: {
       const bool is_signed = op != spv::Op::OpUMod;
       Lanes rest = b_.sub(a(), b_.mul(b(), divide_integers(a(), b(), is_signed)));
-      if (op == spv::Op::OpSMod && !m_.is_hlsl()) {  // (HLSL's % truncates; glslang writes OpSMod for it) the sign of the divisor: add it once where the remainder has the other sign
+      if (op == spv::Op::OpSMod &&
+          !m_.is_hlsl()) {  // (HLSL's % truncates; glslang writes OpSMod for it) the sign of the divisor: add
+                            // it once where the remainder has the other sign
         const Lanes opposite = b_.op(Opcode::Sgt, num(0), b_.mul(rest, b()));
         rest = b_.add(rest, b_.mul(b(), opposite));
       }
@@ -71,11 +85,15 @@ bool Lowerer::integer_arithmetic(const SpirvInstruction& i) {
       return true;
     }
     case spv::Op::OpConvertFToS:
-    case spv::Op::OpConvertFToU: define(i, b_.op(Opcode::Trunc, a())); return true;
+    case spv::Op::OpConvertFToU:
+      define(i, b_.op(Opcode::Trunc, a()));
+      return true;
     case spv::Op::OpConvertSToF:
     case spv::Op::OpConvertUToF:
     case spv::Op::OpSConvert:
-    case spv::Op::OpUConvert: define(i, value(i.operands[0])); return true;
+    case spv::Op::OpUConvert:
+      define(i, value(i.operands[0]));
+      return true;
     case spv::Op::OpBitcast: {
       const auto kind_of = [&](SpvId type) {
         const SpirvType& t = m_.type(type);
@@ -90,9 +108,12 @@ bool Lowerer::integer_arithmetic(const SpirvInstruction& i) {
     case spv::Op::OpShiftRightLogical:
     case spv::Op::OpShiftRightArithmetic: {
       const auto bits = known(i.operands[1]);
-      if (!bits || *bits < 0 || *bits > 20) refuse(i, spirv_op_name(i.op) + " by a value that is not a constant from 0 to 20", "multiply or divide instead");
+      if (!bits || *bits < 0 || *bits > 20)
+        refuse(i, spirv_op_name(i.op) + " by a value that is not a constant from 0 to 20",
+               "multiply or divide instead");
       const double factor = std::ldexp(1.0, static_cast<int>(*bits));
-      define(i, op == spv::Op::OpShiftLeftLogical ? b_.mul(a(), num(factor)) : b_.floor(b_.mul(a(), num(1 / factor))));
+      define(i, op == spv::Op::OpShiftLeftLogical ? b_.mul(a(), num(factor))
+                                                  : b_.floor(b_.mul(a(), num(1 / factor))));
       return true;
     }
     case spv::Op::OpBitwiseAnd: {
@@ -116,8 +137,10 @@ bool Lowerer::integer_arithmetic(const SpirvInstruction& i) {
     case spv::Op::OpBitFieldSExtract:
     case spv::Op::OpBitFieldUExtract:
     case spv::Op::OpBitReverse:
-    case spv::Op::OpBitCount: refuse(i, spirv_op_name(i.op), "registers hold numbers, not bit patterns; use arithmetic");
-    default: return false;
+    case spv::Op::OpBitCount:
+      refuse(i, spirv_op_name(i.op), "registers hold numbers, not bit patterns; use arithmetic");
+    default:
+      return false;
   }
 }
 

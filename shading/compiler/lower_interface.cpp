@@ -26,7 +26,8 @@ struct Semantic {
 };
 
 Semantic split_semantic(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   std::size_t end = text.size();
   while (end > 0 && std::isdigit(static_cast<unsigned char>(text[end - 1])) != 0) --end;
   int index = 0;
@@ -36,11 +37,16 @@ Semantic split_semantic(std::string text) {
 
 std::string builtin_semantic(std::uint32_t builtin) {
   switch (static_cast<spv::BuiltIn>(builtin)) {
-    case spv::BuiltIn::Position: return "POSITION0";
-    case spv::BuiltIn::FragCoord: return "VPOS0";
-    case spv::BuiltIn::FrontFacing: return "VFACE0";
-    case spv::BuiltIn::FragDepth: return "DEPTH0";
-    default: return "";
+    case spv::BuiltIn::Position:
+      return "POSITION0";
+    case spv::BuiltIn::FragCoord:
+      return "VPOS0";
+    case spv::BuiltIn::FrontFacing:
+      return "VFACE0";
+    case spv::BuiltIn::FragDepth:
+      return "DEPTH0";
+    default:
+      return "";
   }
 }
 
@@ -63,7 +69,8 @@ std::string Lowerer::semantic_of(SpvId variable, bool input) const {
 void Lowerer::map_interface() {
   for (const SpirvInstruction& i : m_.globals()) {
     const SpirvType& pointer = m_.type(i.type);
-    const bool used = std::find(m_.interface().begin(), m_.interface().end(), i.result) != m_.interface().end();
+    const bool used =
+        std::find(m_.interface().begin(), m_.interface().end(), i.result) != m_.interface().end();
     switch (static_cast<spv::StorageClass>(pointer.storage)) {
       case spv::StorageClass::Input:
         if (used) map_input(i.result);
@@ -72,8 +79,11 @@ void Lowerer::map_interface() {
         if (used) map_output(i.result);
         declare(i);
         break;
-      case spv::StorageClass::Private: declare(i); break;
-      default: break;
+      case spv::StorageClass::Private:
+        declare(i);
+        break;
+      default:
+        break;
     }
   }
   // $Global owns c0, so that register(cN) means what it says; further blocks follow by binding.
@@ -88,14 +98,17 @@ void Lowerer::map_interface() {
   }
   const auto rank = [&](const SpirvInstruction& i) {
     const SpvId type = m_.type(i.type).element;
-    const bool global = m_.name(type).starts_with("$Global") || m_.name(type).starts_with("gl_DefaultUniformBlock");
+    const bool global =
+        m_.name(type).starts_with("$Global") || m_.name(type).starts_with("gl_DefaultUniformBlock");
     return std::pair(!global, m_.decorations(i.result).get(kBinding).value_or(0));
   };
-  std::stable_sort(blocks.begin(), blocks.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   for (const SpirvInstruction& i : blocks) map_uniform_block(i.result);
 
   std::stable_sort(textures.begin(), textures.end(), [&](const auto& a, const auto& b) {
-    return m_.decorations(a.result).get(kBinding).value_or(0) < m_.decorations(b.result).get(kBinding).value_or(0);
+    return m_.decorations(a.result).get(kBinding).value_or(0) <
+           m_.decorations(b.result).get(kBinding).value_or(0);
   });
   for (const SpirvInstruction& i : textures) map_sampler(i.result);
 }
@@ -114,10 +127,12 @@ void Lowerer::map_input(SpvId variable) {
         return;
       case SpirvType::Kind::Array:
       case SpirvType::Kind::Matrix:
-        if (ty.count > 64) throw UserError(fmt::format("input '{}' is larger than any interpolator file", m_.name(variable)));
+        if (ty.count > 64)
+          throw UserError(fmt::format("input '{}' is larger than any interpolator file", m_.name(variable)));
         for (std::uint32_t k = 0; k < ty.count; ++k) add(ty.element);
         return;
-      default: break;
+      default:
+        break;
     }
     if (first.empty()) {
       for (std::uint32_t k = 0; k < m_.scalar_count(t); ++k) slots.push_back({});
@@ -125,7 +140,8 @@ void Lowerer::map_input(SpvId variable) {
     }
     const std::string semantic = fmt::format("{}{}", s.name, s.index++);
     auto& inputs = out_.symbols.inputs;
-    auto it = std::find_if(inputs.begin(), inputs.end(), [&](const auto& in) { return in.semantic == semantic; });
+    auto it =
+        std::find_if(inputs.begin(), inputs.end(), [&](const auto& in) { return in.semantic == semantic; });
     if (it == inputs.end()) it = inputs.insert(inputs.end(), {semantic, 0});
     for (std::uint32_t k = 0; k < m_.scalar_count(t); ++k)
       slots.push_back({static_cast<int>(it - inputs.begin()), static_cast<std::uint8_t>((lane0 + k) & 3)});
@@ -144,7 +160,8 @@ void Lowerer::map_output(SpvId variable) {
       return;
     }
     auto& outputs = out_.symbols.outputs;
-    auto it = std::find_if(outputs.begin(), outputs.end(), [&](const auto& o) { return o.semantic == semantic; });
+    auto it =
+        std::find_if(outputs.begin(), outputs.end(), [&](const auto& o) { return o.semantic == semantic; });
     if (it == outputs.end()) it = outputs.insert(outputs.end(), {semantic, 0});
     for (std::uint32_t k = 0; k < m_.scalar_count(t); ++k)
       slots.push_back({static_cast<int>(it - outputs.begin()), static_cast<std::uint8_t>((lane0 + k) & 3)});
@@ -156,8 +173,10 @@ void Lowerer::map_output(SpvId variable) {
       const Decorations& d = m_.member_decorations(type, k);
       std::string semantic = fmt::format("{}{}", stage_ == vm::Stage::Pixel ? "COLOR" : "TEXCOORD",
                                          d.get(kLocation).value_or(static_cast<std::uint32_t>(location)));
-      if (auto builtin = d.get(kBuiltIn)) semantic = builtin_semantic(*builtin);
-      else ++location;
+      if (auto builtin = d.get(kBuiltIn))
+        semantic = builtin_semantic(*builtin);
+      else
+        ++location;
       add(ty.members[k], semantic);
     }
   } else {
@@ -174,25 +193,30 @@ void Lowerer::map_output(SpvId variable) {
 std::uint32_t Lowerer::bytes_of(SpvId type, std::uint32_t matrix_stride, bool row_major) const {
   const SpirvType& t = m_.type(type);
   switch (t.kind) {
-    case SpirvType::Kind::Vector: return 4 * t.count;
+    case SpirvType::Kind::Vector:
+      return 4 * t.count;
     case SpirvType::Kind::Matrix: {
       const std::uint32_t rows = m_.type(t.element).count;
       return row_major ? (rows - 1) * matrix_stride + 4 * t.count : (t.count - 1) * matrix_stride + 4 * rows;
     }
     case SpirvType::Kind::Array: {
       const std::uint32_t stride = m_.decorations(type).get(kArrayStride).value_or(16);
-      const std::uint64_t bytes = (std::max(t.count, 1u) - 1) * std::uint64_t{stride} + bytes_of(t.element, matrix_stride, row_major);
+      const std::uint64_t bytes =
+          (std::max(t.count, 1u) - 1) * std::uint64_t{stride} + bytes_of(t.element, matrix_stride, row_major);
       return static_cast<std::uint32_t>(std::min<std::uint64_t>(bytes, 1u << 30));
     }
     case SpirvType::Kind::Struct: {
       std::uint32_t end = 0;
       for (std::uint32_t k = 0; k < t.members.size(); ++k) {
         const Decorations& d = m_.member_decorations(type, k);
-        end = std::max(end, d.get(kOffset).value_or(0) + bytes_of(t.members[k], d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value()));
+        end = std::max(
+            end, d.get(kOffset).value_or(0) +
+                     bytes_of(t.members[k], d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value()));
       }
       return end;
     }
-    default: return 4;
+    default:
+      return 4;
   }
 }
 
@@ -202,8 +226,8 @@ void Lowerer::map_uniform_block(SpvId variable) {
   int& next = out_.symbols.uniform_count;
   const int base = next;
 
-  // Every member starts in a register of its own. A member whose offset is not where packing would have put it was
-  // placed by register(cN) and stays there; the others fill up in declaration order around those.
+  // Every member starts in a register of its own. A member whose offset is not where packing would have put
+  // it was placed by register(cN) and stays there; the others fill up in declaration order around those.
   struct Member {
     std::uint32_t index, offset, bytes;
     bool placed;
@@ -214,7 +238,8 @@ void Lowerer::map_uniform_block(SpvId variable) {
   for (std::uint32_t k = 0; k < block.members.size(); ++k) {
     const Decorations& d = m_.member_decorations(type, k);
     const std::uint32_t offset = d.get(kOffset).value_or(0);
-    const std::uint32_t bytes = bytes_of(block.members[k], d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value());
+    const std::uint32_t bytes =
+        bytes_of(block.members[k], d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value());
     const bool placed = offset % 16 == 0 && (offset > (packed_end + 15) / 16 * 16 || offset < packed_end);
     members.push_back({k, offset, bytes, placed, static_cast<int>((bytes + 15) / 16)});
     packed_end = offset + bytes;
@@ -222,10 +247,12 @@ void Lowerer::map_uniform_block(SpvId variable) {
   std::vector<std::pair<int, int>> taken;  // [begin, end)
   for (const Member& m : members)
     if (m.placed || (m.offset % 16 == 0 && explicit_registers_.contains(m_.member_name(type, m.index))))
-      taken.emplace_back(base + static_cast<int>(m.offset / 16), base + static_cast<int>(m.offset / 16) + m.registers);
+      taken.emplace_back(base + static_cast<int>(m.offset / 16),
+                         base + static_cast<int>(m.offset / 16) + m.registers);
   int cursor = base;
   for (Member& m : members) {
-    const bool fixed = m.placed || (m.offset % 16 == 0 && explicit_registers_.contains(m_.member_name(type, m.index)));
+    const bool fixed =
+        m.placed || (m.offset % 16 == 0 && explicit_registers_.contains(m_.member_name(type, m.index)));
     int reg = base + static_cast<int>(m.offset / 16);
     if (!fixed) {
       reg = cursor;
@@ -241,17 +268,18 @@ void Lowerer::map_uniform_block(SpvId variable) {
     }
     next = std::max(next, reg + m.registers);
     if (next > kMaxUniformRegisters)
-      throw UserError(fmt::format("uniform '{}' needs registers up to c{}", m_.member_name(type, m.index), next - 1),
-                      fmt::format("the limit is c{}", kMaxUniformRegisters - 1));
+      throw UserError(
+          fmt::format("uniform '{}' needs registers up to c{}", m_.member_name(type, m.index), next - 1),
+          fmt::format("the limit is c{}", kMaxUniformRegisters - 1));
     member_register_[{variable, m.index}] = reg;
     const Decorations& d = m_.member_decorations(type, m.index);
-    name_uniform(m_.member_name(type, m.index), block.members[m.index], reg, 0, d.get(kMatrixStride).value_or(16),
-                 d.get(kRowMajor).has_value());
+    name_uniform(m_.member_name(type, m.index), block.members[m.index], reg, 0,
+                 d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value());
   }
 }
 
-void Lowerer::name_uniform(const std::string& name, SpvId type, int reg, std::uint32_t byte, std::uint32_t matrix_stride,
-                           bool row_major) {
+void Lowerer::name_uniform(const std::string& name, SpvId type, int reg, std::uint32_t byte,
+                           std::uint32_t matrix_stride, bool row_major) {
   const SpirvType& t = m_.type(type);
   if (t.kind == SpirvType::Kind::Struct) {
     for (std::uint32_t k = 0; k < t.members.size(); ++k) {
@@ -266,7 +294,8 @@ void Lowerer::name_uniform(const std::string& name, SpvId type, int reg, std::ui
   if (t.kind == SpirvType::Kind::Array && m_.type(leaf).kind == SpirvType::Kind::Struct) {
     const std::uint32_t stride = m_.decorations(type).get(kArrayStride).value_or(16);
     for (std::uint32_t k = 0; k < t.count; ++k)
-      name_uniform(fmt::format("{}[{}]", name, k), t.element, reg, byte + k * stride, matrix_stride, row_major);
+      name_uniform(fmt::format("{}[{}]", name, k), t.element, reg, byte + k * stride, matrix_stride,
+                   row_major);
     return;
   }
   const SpirvType& l = m_.type(leaf);
@@ -277,7 +306,8 @@ void Lowerer::name_uniform(const std::string& name, SpvId type, int reg, std::ui
   symbol.registers = static_cast<int>((bytes_of(type, matrix_stride, row_major) + 15) / 16);
   symbol.components = 1;
   if (l.kind == SpirvType::Kind::Vector) symbol.components = static_cast<int>(l.count);
-  if (l.kind == SpirvType::Kind::Matrix) symbol.components = static_cast<int>(row_major ? l.count : m_.type(l.element).count);
+  if (l.kind == SpirvType::Kind::Matrix)
+    symbol.components = static_cast<int>(row_major ? l.count : m_.type(l.element).count);
   out_.symbols.uniforms.push_back(std::move(symbol));
 }
 
@@ -292,10 +322,17 @@ void Lowerer::map_sampler(SpvId variable) {
   symbol.name = m_.name(variable);
   switch (static_cast<spv::Dim>(image.dimension)) {
     case spv::Dim::Dim1D:
-    case spv::Dim::Dim2D: symbol.dimension = vm::SamplerDimension::Tex2D; break;
-    case spv::Dim::Dim3D: symbol.dimension = vm::SamplerDimension::Tex3D; break;
-    case spv::Dim::Cube: symbol.dimension = vm::SamplerDimension::TexCube; break;
-    default: return;
+    case spv::Dim::Dim2D:
+      symbol.dimension = vm::SamplerDimension::Tex2D;
+      break;
+    case spv::Dim::Dim3D:
+      symbol.dimension = vm::SamplerDimension::Tex3D;
+      break;
+    case spv::Dim::Cube:
+      symbol.dimension = vm::SamplerDimension::TexCube;
+      break;
+    default:
+      return;
   }
   if (image.arrayed || image.multisampled) return;
   if (out_.symbols.samplers.size() >= 256) throw UserError("the shader declares more than 256 textures");

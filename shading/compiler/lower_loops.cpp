@@ -22,31 +22,39 @@ std::optional<bool> compare(spv::Op op, double a, double b) {
     case spv::Op::OpSLessThan:
     case spv::Op::OpULessThan:
     case spv::Op::OpFOrdLessThan:
-    case spv::Op::OpFUnordLessThan: return a < b;
+    case spv::Op::OpFUnordLessThan:
+      return a < b;
     case spv::Op::OpSLessThanEqual:
     case spv::Op::OpULessThanEqual:
     case spv::Op::OpFOrdLessThanEqual:
-    case spv::Op::OpFUnordLessThanEqual: return a <= b;
+    case spv::Op::OpFUnordLessThanEqual:
+      return a <= b;
     case spv::Op::OpSGreaterThan:
     case spv::Op::OpUGreaterThan:
     case spv::Op::OpFOrdGreaterThan:
-    case spv::Op::OpFUnordGreaterThan: return a > b;
+    case spv::Op::OpFUnordGreaterThan:
+      return a > b;
     case spv::Op::OpSGreaterThanEqual:
     case spv::Op::OpUGreaterThanEqual:
     case spv::Op::OpFOrdGreaterThanEqual:
-    case spv::Op::OpFUnordGreaterThanEqual: return a >= b;
+    case spv::Op::OpFUnordGreaterThanEqual:
+      return a >= b;
     case spv::Op::OpIEqual:
-    case spv::Op::OpFOrdEqual: return a == b;
+    case spv::Op::OpFOrdEqual:
+      return a == b;
     case spv::Op::OpINotEqual:
     case spv::Op::OpFUnordNotEqual:
-    case spv::Op::OpFOrdNotEqual: return a != b;
-    default: return std::nullopt;
+    case spv::Op::OpFOrdNotEqual:
+      return a != b;
+    default:
+      return std::nullopt;
   }
 }
 
 }  // namespace
 
-// ---- a loop that runs once -----------------------------------------------------------------------------------------
+// ---- a loop that runs once
+// -----------------------------------------------------------------------------------------
 
 Lowerer::OnceLoop::OnceLoop(Lowerer& owner, SpvId label, const std::unordered_set<SpvId>& inside) : l(owner) {
   l.open_flags(inside, label, flags);
@@ -79,7 +87,8 @@ void Lowerer::close_machine_loop() {
   b_.flow(Opcode::EndLoop);
 }
 
-// A jump that crosses more than one machine loop raises a flag and breaks; each loop left on the way passes it on.
+// A jump that crosses more than one machine loop raises a flag and breaks; each loop left on the way passes
+// it on.
 void Lowerer::open_flags(const std::unordered_set<SpvId>& inside, SpvId own, std::vector<SpvId>& opened) {
   for (const Exit& e : exits_) {
     if (e.label == own || e.depth < 0) continue;
@@ -104,7 +113,8 @@ void Lowerer::pass_on_flags(const std::vector<SpvId>& opened) {
   }
 }
 
-// ---- trip counts ---------------------------------------------------------------------------------------------------
+// ---- trip counts
+// ---------------------------------------------------------------------------------------------------
 
 bool Lowerer::used_outside(const std::set<SpvId>& ids, const std::unordered_set<SpvId>& inside) const {
   for (const SpirvBlock& block : m_.blocks()) {
@@ -116,7 +126,8 @@ bool Lowerer::used_outside(const std::set<SpvId>& ids, const std::unordered_set<
   return false;
 }
 
-std::optional<Lowerer::Counted> Lowerer::count_trips(SpvId pred, SpvId header, SpvId merge, const std::unordered_set<SpvId>& inside) {
+std::optional<Lowerer::Counted> Lowerer::count_trips(SpvId pred, SpvId header, SpvId merge,
+                                                     const std::unordered_set<SpvId>& inside) {
   SpvId back = 0;
   for (SpvId label : inside)
     for (SpvId next : successors(m_.block(label)))
@@ -160,7 +171,8 @@ std::optional<Lowerer::Counted> Lowerer::count_trips(SpvId pred, SpvId header, S
 
   const auto known = [&](SpvId id) -> std::optional<double> {
     const SpirvInstruction* d = m_.definition(id);
-    const bool constant = d != nullptr && (op_of(*d) == spv::Op::OpConstant || op_of(*d) == spv::Op::OpConstantNull);
+    const bool constant =
+        d != nullptr && (op_of(*d) == spv::Op::OpConstant || op_of(*d) == spv::Op::OpConstantNull);
     if (!constant && !values_.contains(id)) return std::nullopt;
     return b_.value_of(scalar(id));
   };
@@ -178,8 +190,10 @@ std::optional<Lowerer::Counted> Lowerer::count_trips(SpvId pred, SpvId header, S
     const bool subtracts = op_of(*step) == spv::Op::OpISub || op_of(*step) == spv::Op::OpFSub;
     if (!subtracts && op_of(*step) != spv::Op::OpIAdd && op_of(*step) != spv::Op::OpFAdd) continue;
     std::optional<double> by;
-    if (step->operands[0] == phi.result) by = known(step->operands[1]);
-    else if (step->operands[1] == phi.result && !subtracts) by = known(step->operands[0]);
+    if (step->operands[0] == phi.result)
+      by = known(step->operands[1]);
+    else if (step->operands[1] == phi.result && !subtracts)
+      by = known(step->operands[0]);
     if (!by) continue;
     c.phi = phi.result;
     c.stepped = step_id;
@@ -209,7 +223,8 @@ std::optional<Lowerer::Counted> Lowerer::count_trips(SpvId pred, SpvId header, S
   return std::nullopt;
 }
 
-// ---- loops ---------------------------------------------------------------------------------------------------------
+// ---- loops
+// ---------------------------------------------------------------------------------------------------------
 
 void Lowerer::loop(SpvId pred, SpvId header) {
   const SpirvInstruction& merge_instruction = *m_.block(header).merge();
@@ -227,13 +242,16 @@ void Lowerer::loop(SpvId pred, SpvId header) {
   if (counted && breaks) {
     // Left early, the counter and what the head computed would have to survive: keep such loops open.
     std::set<SpvId> at_head{counted->phi, counted->stepped};
-    for (SpvId label = header; label != 0 && counted->at_head; label = label == counted->exit_block ? 0 : m_.block(label).terminator().operands[0])
+    for (SpvId label = header; label != 0 && counted->at_head;
+         label = label == counted->exit_block ? 0 : m_.block(label).terminator().operands[0])
       for (const SpirvInstruction& i : m_.block(label).code)
         if (i.result != 0 && op_of(i) != spv::Op::OpPhi) at_head.insert(i.result);
-    if (op_of(m_.block(merge).code.front()) == spv::Op::OpPhi || used_outside(at_head, inside)) counted.reset();
+    if (op_of(m_.block(merge).code.front()) == spv::Op::OpPhi || used_outside(at_head, inside))
+      counted.reset();
   }
-  const bool unroll = counted && !breaks &&
-                      (counted->trips == 0 || loops_ == LoopMode::Unrolled || (loops_ == LoopMode::AsWritten && asked));
+  const bool unroll =
+      counted && !breaks &&
+      (counted->trips == 0 || loops_ == LoopMode::Unrolled || (loops_ == LoopMode::AsWritten && asked));
   open_loops_.insert(header);
   if (unroll) {
     unrolled_loop(pred, header, merge, cont, *counted);
@@ -308,7 +326,8 @@ SpvId Lowerer::back_edge(SpvId header) const {
   return 0;
 }
 
-void Lowerer::rolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont, const std::optional<Counted>& counted, bool breaks,
+void Lowerer::rolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont,
+                          const std::optional<Counted>& counted, bool breaks,
                           const std::unordered_set<SpvId>& inside) {
   open_join(header);
   if (counted) {  // the counter comes from the machine
@@ -335,8 +354,10 @@ void Lowerer::rolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont, con
   int edges = 0;
   for (const SpirvInstruction& i : m_.block(cont).code) {
     if (op_of(i) == spv::Op::OpPhi) continue;
-    if (&i == &m_.block(cont).terminator()) bare = bare && op_of(i) == spv::Op::OpBranch;
-    else bare = bare && i.result == counted->stepped;
+    if (&i == &m_.block(cont).terminator())
+      bare = bare && op_of(i) == spv::Op::OpBranch;
+    else
+      bare = bare && i.result == counted->stepped;
   }
   for (SpvId label : inside)
     for (SpvId to : successors(m_.block(label))) edges += to == cont ? 1 : 0;
@@ -354,7 +375,8 @@ void Lowerer::rolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont, con
   if (counted) {
     counted_.erase(counted->exit_block);
     if (!breaks) {
-      values_[counted->phi] = {num(counted->init + counted->step * (counted->trips - (counted->at_head ? 0 : 1)))};
+      values_[counted->phi] = {
+          num(counted->init + counted->step * (counted->trips - (counted->at_head ? 0 : 1)))};
       values_[counted->stepped] = {num(counted->init + counted->step * counted->trips)};
       final_head(0, header, *counted);
     }

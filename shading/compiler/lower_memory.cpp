@@ -27,7 +27,8 @@ bool is_uniform(std::uint32_t storage) {
 Pointer Lowerer::pointer(SpvId id) {
   if (auto it = pointers_.find(id); it != pointers_.end()) return it->second;
   const SpirvInstruction* d = m_.definition(id);
-  ALU_CHECK(d != nullptr && static_cast<spv::Op>(d->op) == spv::Op::OpVariable, "pointer %{} has no definition", id);
+  ALU_CHECK(d != nullptr && static_cast<spv::Op>(d->op) == spv::Op::OpVariable,
+            "pointer %{} has no definition", id);
   const SpirvType& t = m_.type(d->type);
   Pointer p;
   p.variable = id;
@@ -40,7 +41,8 @@ void Lowerer::declare(const SpirvInstruction& variable) {
   const SpvId type = m_.type(variable.type).element;
   const std::uint32_t scalars = m_.scalar_count(type);
   if (scalars > kMaxLocalScalars)
-    throw UserError(place(variable.line), fmt::format("variable '{}' holds {} numbers", m_.name(variable.result), scalars),
+    throw UserError(place(variable.line),
+                    fmt::format("variable '{}' holds {} numbers", m_.name(variable.result), scalars),
                     fmt::format("the limit is {}", kMaxLocalScalars));
   if (variable.operands.size() > 1) {
     memory_[variable.result] = value(variable.operands[1]);
@@ -64,34 +66,45 @@ void Lowerer::access_chain(const SpirvInstruction& i) {
       switch (t.kind) {
         case SpirvType::Kind::Struct: {
           const Decorations& d = m_.member_decorations(p.type, at);
-          if (k == 1) p.reg = static_cast<std::uint32_t>(member_register_.at({p.variable, at}));
-          else p.byte += d.get(kOffset).value_or(0);
+          if (k == 1)
+            p.reg = static_cast<std::uint32_t>(member_register_.at({p.variable, at}));
+          else
+            p.byte += d.get(kOffset).value_or(0);
           p.matrix_stride = d.get(kMatrixStride).value_or(16);
           p.row_major = d.get(kRowMajor).has_value();
           break;
         }
-        case SpirvType::Kind::Array: stride = m_.decorations(p.type).get(kArrayStride).value_or(16); break;
+        case SpirvType::Kind::Array:
+          stride = m_.decorations(p.type).get(kArrayStride).value_or(16);
+          break;
         case SpirvType::Kind::Matrix:
           stride = p.row_major ? 4 : p.matrix_stride;
           p.strided = p.row_major;
           break;
-        default: stride = p.strided ? p.matrix_stride : 4; break;
+        default:
+          stride = p.strided ? p.matrix_stride : 4;
+          break;
       }
-      if (known) p.byte += stride * at;
-      else p.steps.push_back({index, stride, t.count});
+      if (known)
+        p.byte += stride * at;
+      else
+        p.steps.push_back({index, stride, t.count});
     } else {
       const std::uint32_t stride = t.kind == SpirvType::Kind::Struct ? 0 : m_.scalar_count(t.element);
-      if (known) p.scalar += m_.scalar_offset(p.type, at);
-      else p.steps.push_back({index, stride, t.count});
+      if (known)
+        p.scalar += m_.scalar_offset(p.type, at);
+      else
+        p.steps.push_back({index, stride, t.count});
     }
     p.type = m_.member_type(p.type, at);
   }
   pointers_[i.result] = std::move(p);
 }
 
-// The index expressions of an address as one register offset: c * value + constant. `unit` is the size of a register
-// in the steps' own units; `shift` receives constant registers found inside the expressions.
-Address Lowerer::address_of(const std::vector<Pointer::Step>& steps, std::uint32_t unit, std::uint32_t& shift) {
+// The index expressions of an address as one register offset: c * value + constant. `unit` is the size of a
+// register in the steps' own units; `shift` receives constant registers found inside the expressions.
+Address Lowerer::address_of(const std::vector<Pointer::Step>& steps, std::uint32_t unit,
+                            std::uint32_t& shift) {
   Address address;
   address.base = Address::Base::Value;
   std::uint32_t last = 0;
@@ -117,8 +130,10 @@ Address Lowerer::address_of(const std::vector<Pointer::Step>& steps, std::uint32
     if (b_.value_of(x)) std::swap(x, y);
     const auto c = b_.value_of(y);
     if (!c || *c != static_cast<std::int64_t>(*c)) break;
-    if (n.op == vm::Opcode::Add) offset += factor * *c;
-    else factor *= *c;
+    if (n.op == vm::Opcode::Add)
+      offset += factor * *c;
+    else
+      factor *= *c;
     inner = x;
   }
   const Node& base = b_.node(inner);
@@ -157,44 +172,52 @@ Ref Lowerer::uniform_scalar(const Pointer& p, std::uint32_t byte) {
   return b_.leaf(NodeKind::Uniform, p.reg + byte / 16 + shift, static_cast<int>(byte % 16 / 4), address);
 }
 
-void Lowerer::load_uniform_into(Tuple& out, const Pointer& p, SpvId type, std::uint32_t byte, std::uint32_t matrix_stride,
-                                bool row_major, bool strided) {
+void Lowerer::load_uniform_into(Tuple& out, const Pointer& p, SpvId type, std::uint32_t byte,
+                                std::uint32_t matrix_stride, bool row_major, bool strided) {
   const SpirvType& t = m_.type(type);
   switch (t.kind) {
     case SpirvType::Kind::Vector:
-      for (std::uint32_t k = 0; k < t.count; ++k) out.push_back(uniform_scalar(p, byte + k * (strided ? matrix_stride : 4)));
+      for (std::uint32_t k = 0; k < t.count; ++k)
+        out.push_back(uniform_scalar(p, byte + k * (strided ? matrix_stride : 4)));
       break;
     case SpirvType::Kind::Matrix:
       for (std::uint32_t k = 0; k < t.count; ++k)
-        load_uniform_into(out, p, t.element, byte + k * (row_major ? 4 : matrix_stride), matrix_stride, row_major, row_major);
+        load_uniform_into(out, p, t.element, byte + k * (row_major ? 4 : matrix_stride), matrix_stride,
+                          row_major, row_major);
       break;
     case SpirvType::Kind::Array: {
       const std::uint32_t stride = m_.decorations(type).get(kArrayStride).value_or(16);
-      if (t.count > kMaxLocalScalars) throw UserError("a whole array of uniforms is read at once and is too large", "index it instead");
-      for (std::uint32_t k = 0; k < t.count; ++k) load_uniform_into(out, p, t.element, byte + k * stride, matrix_stride, row_major, false);
+      if (t.count > kMaxLocalScalars)
+        throw UserError("a whole array of uniforms is read at once and is too large", "index it instead");
+      for (std::uint32_t k = 0; k < t.count; ++k)
+        load_uniform_into(out, p, t.element, byte + k * stride, matrix_stride, row_major, false);
       break;
     }
     case SpirvType::Kind::Struct:
       for (std::uint32_t k = 0; k < t.members.size(); ++k) {
         const Decorations& d = m_.member_decorations(type, k);
-        load_uniform_into(out, p, t.members[k], byte + d.get(kOffset).value_or(0), d.get(kMatrixStride).value_or(16),
-                          d.get(kRowMajor).has_value(), false);
+        load_uniform_into(out, p, t.members[k], byte + d.get(kOffset).value_or(0),
+                          d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value(), false);
       }
       break;
-    default: out.push_back(uniform_scalar(p, byte)); break;
+    default:
+      out.push_back(uniform_scalar(p, byte));
+      break;
   }
 }
 
 Tuple Lowerer::load_uniform(const Pointer& p) {
   Tuple out;
-  if (p.variable != 0 && m_.type(m_.type(m_.definition(p.variable)->type).element).kind == SpirvType::Kind::Struct &&
+  if (p.variable != 0 &&
+      m_.type(m_.type(m_.definition(p.variable)->type).element).kind == SpirvType::Kind::Struct &&
       p.type == m_.type(m_.definition(p.variable)->type).element) {  // the whole block
     const SpirvType& block = m_.type(p.type);
     for (std::uint32_t k = 0; k < block.members.size(); ++k) {
       Pointer member = p;
       member.reg = static_cast<std::uint32_t>(member_register_.at({p.variable, k}));
       const Decorations& d = m_.member_decorations(p.type, k);
-      load_uniform_into(out, member, block.members[k], 0, d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value(), false);
+      load_uniform_into(out, member, block.members[k], 0, d.get(kMatrixStride).value_or(16),
+                        d.get(kRowMajor).has_value(), false);
     }
     return out;
   }
@@ -227,8 +250,10 @@ Tuple Lowerer::load_input(const Pointer& p) {
                       static_cast<std::uint32_t>(spv::BuiltIn::FrontFacing);
   for (const InterfaceSlot& s : slots) {
     if (s.reg < 0) {
-      const auto builtin = m_.decorations(p.variable).get(static_cast<std::uint32_t>(spv::Decoration::BuiltIn));
-      throw UserError(fmt::format("unsupported: input '{}'{}", m_.name(p.variable), builtin ? fmt::format(" (built-in {})", *builtin) : ""),
+      const auto builtin =
+          m_.decorations(p.variable).get(static_cast<std::uint32_t>(spv::Decoration::BuiltIn));
+      throw UserError(fmt::format("unsupported: input '{}'{}", m_.name(p.variable),
+                                  builtin ? fmt::format(" (built-in {})", *builtin) : ""),
                       "inputs are interpolants and attributes, VPOS and VFACE");
     }
     const Ref r = b_.leaf(NodeKind::Input, static_cast<std::uint32_t>(s.reg), s.lane);
@@ -253,7 +278,8 @@ std::optional<Tuple> Lowerer::load_table(const Pointer& p, const Tuple& from) {
     }
   const auto [it, fresh] = tables_.try_emplace(rows, static_cast<std::uint32_t>(out_.ir.table.size()));
   if (fresh)
-    for (std::uint32_t e = 0; e < s.count; ++e) out_.ir.table.push_back({rows[4 * e], rows[4 * e + 1], rows[4 * e + 2], rows[4 * e + 3]});
+    for (std::uint32_t e = 0; e < s.count; ++e)
+      out_.ir.table.push_back({rows[4 * e], rows[4 * e + 1], rows[4 * e + 2], rows[4 * e + 3]});
   Pointer::Step step = s;
   step.stride = 1;
   std::uint32_t shift = 0;
@@ -290,7 +316,8 @@ Tuple Lowerer::load_local(const Pointer& p) {
   // Not constant: choose among the elements, innermost index first.
   const Pointer::Step& s = p.steps[0];
   if (s.count > kMaxIndexedElements)
-    throw UserError(place(b_.line()), fmt::format("indexing an array of {} values that are not constants", s.count),
+    throw UserError(place(b_.line()),
+                    fmt::format("indexing an array of {} values that are not constants", s.count),
                     "use a constant array or a uniform array; those have an address register");
   Tuple picked;
   for (std::uint32_t e = s.count; e-- > 0;) {
@@ -318,7 +345,8 @@ Tuple Lowerer::load_local(const Pointer& p) {
 
 void Lowerer::load(const SpirvInstruction& i) {
   const SpirvType& type = m_.type(i.type);
-  if (type.kind == SpirvType::Kind::Image || type.kind == SpirvType::Kind::SampledImage || type.kind == SpirvType::Kind::Sampler) {
+  if (type.kind == SpirvType::Kind::Image || type.kind == SpirvType::Kind::SampledImage ||
+      type.kind == SpirvType::Kind::Sampler) {
     const Pointer p = pointer(i.operands[0]);
     if (!p.steps.empty() || p.type != m_.type(m_.definition(p.variable)->type).element)
       refuse(i, "arrays of textures", "declare one sampler per texture");
@@ -328,12 +356,20 @@ void Lowerer::load(const SpirvInstruction& i) {
   const Pointer p = pointer(i.operands[0]);
   switch (static_cast<spv::StorageClass>(p.storage)) {
     case spv::StorageClass::Uniform:
-    case spv::StorageClass::PushConstant: define(i, load_uniform(p)); break;
-    case spv::StorageClass::Input: define(i, load_input(p)); break;
+    case spv::StorageClass::PushConstant:
+      define(i, load_uniform(p));
+      break;
+    case spv::StorageClass::Input:
+      define(i, load_input(p));
+      break;
     case spv::StorageClass::Function:
     case spv::StorageClass::Private:
-    case spv::StorageClass::Output: define(i, load_local(p)); break;
-    default: refuse(i, "reading this kind of memory", "shaders read uniforms, inputs, textures and their own variables");
+    case spv::StorageClass::Output:
+      define(i, load_local(p));
+      break;
+    default:
+      refuse(i, "reading this kind of memory",
+             "shaders read uniforms, inputs, textures and their own variables");
   }
 }
 
@@ -360,13 +396,16 @@ void Lowerer::write_scalars(SpvId variable, std::uint32_t first, const Tuple& v)
 void Lowerer::store(const SpirvInstruction& i) {
   const Pointer p = pointer(i.operands[0]);
   const auto storage = static_cast<spv::StorageClass>(p.storage);
-  if (storage != spv::StorageClass::Function && storage != spv::StorageClass::Private && storage != spv::StorageClass::Output)
+  if (storage != spv::StorageClass::Function && storage != spv::StorageClass::Private &&
+      storage != spv::StorageClass::Output)
     refuse(i, "writing this kind of memory", "shaders write their outputs and their own variables");
   const Tuple v = value(i.operands[1]);
-  const std::function<void(const Pointer&, std::optional<Ref>)> put = [&](const Pointer& q, std::optional<Ref> condition) {
+  const std::function<void(const Pointer&, std::optional<Ref>)> put = [&](const Pointer& q,
+                                                                          std::optional<Ref> condition) {
     if (!q.steps.empty()) {  // write every element, each keeping its value where the index is another
       const Pointer::Step s = q.steps[0];
-      if (s.count > kMaxIndexedElements) refuse(i, fmt::format("writing by index into an array of {}", s.count), "use a smaller array");
+      if (s.count > kMaxIndexedElements)
+        refuse(i, fmt::format("writing by index into an array of {}", s.count), "use a smaller array");
       for (std::uint32_t e = 0; e < s.count; ++e) {
         Pointer element = q;
         element.steps.erase(element.steps.begin());
@@ -380,21 +419,23 @@ void Lowerer::store(const SpirvInstruction& i) {
     if (!condition) return write_scalars(q.variable, q.scalar, v);
     const Tuple old = read_variable(q.variable);
     Tuple merged;
-    for (std::uint32_t k = 0; k < v.size(); ++k) merged.push_back(b_.choose(*condition, v[k], old[q.scalar + k])[0]);
+    for (std::uint32_t k = 0; k < v.size(); ++k)
+      merged.push_back(b_.choose(*condition, v[k], old[q.scalar + k])[0]);
     write_scalars(q.variable, q.scalar, merged);
   };
   put(p, std::nullopt);
 }
 
-// Variables stored to inside control flow live in registers while it lasts: the writes then follow the lane mask.
+// Variables stored to inside control flow live in registers while it lasts: the writes then follow the lane
+// mask.
 void Lowerer::keep_in_registers(const std::unordered_set<SpvId>& blocks, std::vector<SpvId>& kept) {
   std::set<SpvId> stored;
   for (SpvId label : blocks)
     for (const SpirvInstruction& i : m_.block(label).code)
       if (static_cast<spv::Op>(i.op) == spv::Op::OpStore) {
         SpvId p = i.operands[0];
-        for (const SpirvInstruction* d = m_.definition(p); d != nullptr && static_cast<spv::Op>(d->op) != spv::Op::OpVariable;
-             d = m_.definition(p))
+        for (const SpirvInstruction* d = m_.definition(p);
+             d != nullptr && static_cast<spv::Op>(d->op) != spv::Op::OpVariable; d = m_.definition(p))
           p = d->operands[0];
         stored.insert(p);
       }
@@ -418,24 +459,28 @@ void Lowerer::release_registers(const std::vector<SpvId>& kept) {
   for (SpvId variable : kept) {
     const auto nodes = registers_.at(variable);
     Tuple& current = memory_.at(variable);
-    for (std::size_t k = 0; k < current.size(); ++k) current[k] = {nodes[k / 4], static_cast<std::uint8_t>(k % 4)};
+    for (std::size_t k = 0; k < current.size(); ++k)
+      current[k] = {nodes[k / 4], static_cast<std::uint8_t>(k % 4)};
     registers_.erase(variable);
   }
 }
 
 void Lowerer::write_outputs() {
-  for (const auto& [variable, slots] : std::map<SpvId, std::vector<InterfaceSlot>>(outputs_.begin(), outputs_.end())) {
+  for (const auto& [variable, slots] :
+       std::map<SpvId, std::vector<InterfaceSlot>>(outputs_.begin(), outputs_.end())) {
     const Tuple all = read_variable(variable);
     std::map<int, std::pair<Lanes, std::array<std::uint8_t, 4>>> by_register;
     for (std::uint32_t k = 0; k < slots.size() && k < all.size(); ++k) {
       if (!written_.contains({variable, k})) continue;
       if (slots[k].reg < 0)
-        throw UserError(fmt::format("unsupported: output '{}'", m_.name(variable)), "outputs are POSITION, interpolants, colours and DEPTH");
+        throw UserError(fmt::format("unsupported: output '{}'", m_.name(variable)),
+                        "outputs are POSITION, interpolants, colours and DEPTH");
       auto& [lanes, to] = by_register[slots[k].reg];
       to[lanes.size] = slots[k].lane;
       lanes.push(all[k]);
     }
-    for (auto& [reg, entry] : by_register) b_.write(Sink::Output, static_cast<NodeId>(reg), entry.first, entry.second);
+    for (auto& [reg, entry] : by_register)
+      b_.write(Sink::Output, static_cast<NodeId>(reg), entry.first, entry.second);
   }
 }
 

@@ -45,26 +45,39 @@ bool Lowerer::texture(const SpirvInstruction& i) {
       return true;
     }
     case spv::Op::OpImageSampleImplicitLod:
-    case spv::Op::OpImageSampleExplicitLod: break;
+    case spv::Op::OpImageSampleExplicitLod:
+      break;
     case spv::Op::OpImageSampleProjImplicitLod:
-    case spv::Op::OpImageSampleProjExplicitLod: projected = true; break;
+    case spv::Op::OpImageSampleProjExplicitLod:
+      projected = true;
+      break;
     case spv::Op::OpImageSampleDrefImplicitLod:
-    case spv::Op::OpImageSampleDrefExplicitLod: compared = true; break;
+    case spv::Op::OpImageSampleDrefExplicitLod:
+      compared = true;
+      break;
     case spv::Op::OpImageSampleProjDrefImplicitLod:
-    case spv::Op::OpImageSampleProjDrefExplicitLod: projected = compared = true; break;
-    case spv::Op::OpImageFetch: refuse(i, "OpImageFetch", "fetch with normalised coordinates and a point filter: tex2Dlod");
+    case spv::Op::OpImageSampleProjDrefExplicitLod:
+      projected = compared = true;
+      break;
+    case spv::Op::OpImageFetch:
+      refuse(i, "OpImageFetch", "fetch with normalised coordinates and a point filter: tex2Dlod");
     case spv::Op::OpImageGather:
-    case spv::Op::OpImageDrefGather: refuse(i, spirv_op_name(i.op), "fetch the four texels one by one");
+    case spv::Op::OpImageDrefGather:
+      refuse(i, spirv_op_name(i.op), "fetch the four texels one by one");
     case spv::Op::OpImageQuerySize:
     case spv::Op::OpImageQuerySizeLod:
     case spv::Op::OpImageQueryLod:
-    case spv::Op::OpImageQueryLevels: refuse(i, spirv_op_name(i.op), "pass the texture's size in a uniform");
-    default: return false;
+    case spv::Op::OpImageQueryLevels:
+      refuse(i, spirv_op_name(i.op), "pass the texture's size in a uniform");
+    default:
+      return false;
   }
   auto image = images_.find(i.operands[0]);
   ALU_CHECK(image != images_.end(), "image %{} was not loaded", i.operands[0]);
   auto sampler = samplers_.find(image->second);
-  if (sampler == samplers_.end()) refuse(i, fmt::format("the kind of texture of '{}'", m_.name(image->second)), "textures are 2D, 3D or cube, neither arrays nor multisampled");
+  if (sampler == samplers_.end())
+    refuse(i, fmt::format("the kind of texture of '{}'", m_.name(image->second)),
+           "textures are 2D, 3D or cube, neither arrays nor multisampled");
 
   const ImageOperands operands = read_operands(i.operands.subspan(compared ? 3 : 2));
   if (operands.other) refuse(i, spirv_op_name(i.op) + " with an offset", "add the offset to the coordinates");

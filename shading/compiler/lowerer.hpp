@@ -22,21 +22,21 @@ using SpvId = std::uint32_t;
 /// A place in memory: a variable, how far in, and what lies there.
 struct Pointer {
   SpvId variable = 0;
-  SpvId type = 0;               // of the pointee
+  SpvId type = 0;  // of the pointee
   std::uint32_t storage = 0;
   // Function, Private, Input, Output: scalars.
   std::uint32_t scalar = 0;
   struct Step {
     Ref index;
-    std::uint32_t stride = 0;   // scalars, or bytes in a uniform block
-    std::uint32_t count = 0;    // elements
+    std::uint32_t stride = 0;  // scalars, or bytes in a uniform block
+    std::uint32_t count = 0;   // elements
   };
   std::vector<Step> steps;
   // Uniform: bytes from the first register of the member.
   std::uint32_t reg = 0, byte = 0;
   std::uint32_t matrix_stride = 16;
   bool row_major = false;
-  bool strided = false;         // a column of a row-major matrix
+  bool strided = false;  // a column of a row-major matrix
 };
 
 /// Where each scalar of an input or output variable lives.
@@ -47,26 +47,27 @@ struct InterfaceSlot {
 
 class Lowerer {
  public:
-  Lowerer(const SpirvModule& module, vm::Stage stage, LoopMode loops, std::set<std::string> explicit_registers);
+  Lowerer(const SpirvModule& module, vm::Stage stage, LoopMode loops,
+          std::set<std::string> explicit_registers);
   Lowered run();
 
  private:
-  struct Counted {            // a loop whose trip count is known
-    SpvId phi = 0;            // the counting value
+  struct Counted {  // a loop whose trip count is known
+    SpvId phi = 0;  // the counting value
     double init = 0, step = 0;
     int trips = 0;
-    bool at_head = true;      // tested before the body, else after it
-    SpvId stepped = 0;        // the counting value of the next iteration
-    SpvId exit_block = 0;     // block whose test leaves the loop when the count is reached
-    SpvId stay = 0;           // where that test goes otherwise
+    bool at_head = true;   // tested before the body, else after it
+    SpvId stepped = 0;     // the counting value of the next iteration
+    SpvId exit_block = 0;  // block whose test leaves the loop when the count is reached
+    SpvId stay = 0;        // where that test goes otherwise
   };
-  struct Exit {               // a label control may jump to from inside
+  struct Exit {  // a label control may jump to from inside
     SpvId label = 0;
-    bool is_continue = false; // Continue instead of Break
-    int depth = 0;            // machine loops open when the label's own loop is innermost
-    SpvId header = 0;         // is_continue: the loop whose back edge is taken
+    bool is_continue = false;  // Continue instead of Break
+    int depth = 0;             // machine loops open when the label's own loop is innermost
+    SpvId header = 0;          // is_continue: the loop whose back edge is taken
   };
-  struct Join {               // values that flow into a block over several edges
+  struct Join {  // values that flow into a block over several edges
     std::vector<SpvId> phis;
     std::vector<std::vector<NodeId>> variables;
   };
@@ -78,7 +79,8 @@ class Lowerer {
   void map_output(SpvId variable);
   void map_uniform_block(SpvId variable);
   void map_sampler(SpvId variable);
-  void name_uniform(const std::string& name, SpvId type, int reg, std::uint32_t byte, std::uint32_t matrix_stride, bool row_major);
+  void name_uniform(const std::string& name, SpvId type, int reg, std::uint32_t byte,
+                    std::uint32_t matrix_stride, bool row_major);
   std::uint32_t bytes_of(SpvId type, std::uint32_t matrix_stride, bool row_major) const;
   std::string semantic_of(SpvId variable, bool input) const;
 
@@ -87,19 +89,20 @@ class Lowerer {
   void selection(SpvId from, SpvId merge, SpvId stop, SpvId& next, bool& done, bool& falls);
   void switch_case(SpvId from, SpvId merge);
   void loop(SpvId pred, SpvId header);
-  void rolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont, const std::optional<Counted>& counted, bool breaks,
-                   const std::unordered_set<SpvId>& inside);
+  void rolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont, const std::optional<Counted>& counted,
+                   bool breaks, const std::unordered_set<SpvId>& inside);
   void unrolled_loop(SpvId pred, SpvId header, SpvId merge, SpvId cont, const Counted& counted);
   void iteration(SpvId pred, SpvId header, SpvId cont);
   void final_head(SpvId pred, SpvId header, const Counted& counted);
   SpvId back_edge(SpvId header) const;
-  std::optional<Counted> count_trips(SpvId pred, SpvId header, SpvId merge, const std::unordered_set<SpvId>& inside);
+  std::optional<Counted> count_trips(SpvId pred, SpvId header, SpvId merge,
+                                     const std::unordered_set<SpvId>& inside);
   bool used_outside(const std::set<SpvId>& ids, const std::unordered_set<SpvId>& inside) const;
   std::uint32_t open_machine_loop(int trips, const Counted& counted);
   void close_machine_loop();
   void open_flags(const std::unordered_set<SpvId>& inside, SpvId own, std::vector<SpvId>& opened);
   void pass_on_flags(const std::vector<SpvId>& opened);
-  struct OnceLoop {           // a machine loop around a construct that is left by Break
+  struct OnceLoop {  // a machine loop around a construct that is left by Break
     Lowerer& l;
     std::vector<SpvId> flags;
     OnceLoop(Lowerer& owner, SpvId label, const std::unordered_set<SpvId>& inside);
@@ -130,7 +133,8 @@ class Lowerer {
   void store(const SpirvInstruction& i);
   void declare(const SpirvInstruction& variable);
   Tuple load_uniform(const Pointer& p);
-  void load_uniform_into(Tuple& out, const Pointer& p, SpvId type, std::uint32_t byte, std::uint32_t matrix_stride, bool row_major, bool strided);
+  void load_uniform_into(Tuple& out, const Pointer& p, SpvId type, std::uint32_t byte,
+                         std::uint32_t matrix_stride, bool row_major, bool strided);
   Ref uniform_scalar(const Pointer& p, std::uint32_t byte);
   Address address_of(const std::vector<Pointer::Step>& steps, std::uint32_t unit, std::uint32_t& shift);
   Tuple load_local(const Pointer& p);
@@ -163,7 +167,8 @@ class Lowerer {
   std::vector<Lanes> columns(SpvId id);
   Tuple constant(SpvId id, const SpirvInstruction& definition);
   Ref num(double v) { return b_.constant(v); }
-  [[noreturn]] void refuse(const SpirvInstruction& i, const std::string& what, const std::string& hint = {}) const;
+  [[noreturn]] void refuse(const SpirvInstruction& i, const std::string& what,
+                           const std::string& hint = {}) const;
   SourcePlace place(const vm::SourceLine& line) const;
 
   // pieces of arithmetic shared by several instructions
@@ -184,26 +189,27 @@ class Lowerer {
 
   std::unordered_map<SpvId, Tuple> values_;
   std::unordered_map<SpvId, Pointer> pointers_;
-  std::unordered_map<SpvId, SpvId> images_;          // image or sampled image value -> variable
+  std::unordered_map<SpvId, SpvId> images_;            // image or sampled image value -> variable
   std::unordered_map<SpvId, std::uint32_t> samplers_;  // variable -> sampler index
   std::unordered_map<SpvId, std::vector<InterfaceSlot>> inputs_, outputs_;
   std::map<std::pair<SpvId, std::uint32_t>, int> member_register_;
   std::map<std::vector<double>, std::uint32_t> tables_;
-  Memory memory_;                                    // current values of private, local and output variables
-  std::unordered_map<SpvId, std::vector<NodeId>> registers_;  // variables kept in registers inside control flow
+  Memory memory_;  // current values of private, local and output variables
+  std::unordered_map<SpvId, std::vector<NodeId>>
+      registers_;                                      // variables kept in registers inside control flow
   std::set<std::pair<SpvId, std::uint32_t>> written_;  // scalars of outputs that were stored
 
   std::unordered_map<SpvId, Join> joins_;
   std::vector<Exit> exits_;
-  std::unordered_map<SpvId, Counted> counted_;       // by exit block
-  std::map<SpvId, NodeId> flags_;                    // exit label -> "leave further" flag
-  std::unordered_set<SpvId> open_loops_;             // headers being walked
-  SpvId next_pred_ = 0;                              // block control comes from after a construct
-  bool unreachable_ = false;                         // nothing falls out of the switch just walked
+  std::unordered_map<SpvId, Counted> counted_;  // by exit block
+  std::map<SpvId, NodeId> flags_;               // exit label -> "leave further" flag
+  std::unordered_set<SpvId> open_loops_;        // headers being walked
+  SpvId next_pred_ = 0;                         // block control comes from after a construct
+  bool unreachable_ = false;                    // nothing falls out of the switch just walked
   int machine_depth_ = 0;
   std::uint32_t next_loop_id_ = 1;
   int walk_depth_ = 0;
-  std::vector<Counted> counters_;                    // by loop id - 1
+  std::vector<Counted> counters_;  // by loop id - 1
 };
 
 }  // namespace aluminate::compiler

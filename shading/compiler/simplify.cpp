@@ -16,7 +16,8 @@ class Simplifier {
 
   void run() {
     remove_dead();
-    // (c0 x + c1) c2 becomes c0c2 x + c1c2 before any mad is formed, so that every way of writing it costs the same.
+    // (c0 x + c1) c2 becomes c0c2 x + c1c2 before any mad is formed, so that every way of writing it costs
+    // the same.
     while (pass(&Simplifier::collect_constants)) remove_dead();
     pass(&Simplifier::fuse_sum);
     remove_dead();
@@ -52,7 +53,8 @@ class Simplifier {
     if (replaced_.empty()) return;
     for_each_source(ir_.nodes[id], [&](Lanes& lanes) {
       for (Ref& r : lanes)
-        for (auto it = replaced_.find({r.node, r.lane}); it != replaced_.end(); it = replaced_.find({r.node, r.lane})) {
+        for (auto it = replaced_.find({r.node, r.lane}); it != replaced_.end();
+             it = replaced_.find({r.node, r.lane})) {
           Ref to = it->second;
           if (r.absolute) to = absolute(to);
           to.negate ^= r.negate;
@@ -88,11 +90,13 @@ class Simplifier {
 
   Node& node(NodeId id) { return ir_.nodes[id]; }
 
-  // The instruction all components come from, when this operand is its only use and it can take part in a fusion.
+  // The instruction all components come from, when this operand is its only use and it can take part in a
+  // fusion.
   std::optional<NodeId> sole_producer(const Lanes& v) const {
     const NodeId id = v[0].node;
     const Node& n = ir_.nodes[id];
-    if (!is_instruction(n) || n.sink != Sink::Value || n.saturate || id >= uses_.size() || uses_[id] != 1) return std::nullopt;
+    if (!is_instruction(n) || n.sink != Sink::Value || n.saturate || id >= uses_.size() || uses_[id] != 1)
+      return std::nullopt;
     for (Ref r : v)
       if (r.node != id || r.absolute) return std::nullopt;
     return id;
@@ -136,7 +140,8 @@ class Simplifier {
     if (node(id).op != Opcode::Mul && node(id).op != Opcode::Add) return false;
     const int known = all_numbers(node(id).src[1]) ? 1 : all_numbers(node(id).src[0]) ? 0 : -1;
     if (known < 0) return false;
-    const Lanes c = node(id).src[static_cast<std::size_t>(known)], x = node(id).src[static_cast<std::size_t>(1 - known)];
+    const Lanes c = node(id).src[static_cast<std::size_t>(known)],
+                x = node(id).src[static_cast<std::size_t>(1 - known)];
     const auto from = sole_producer(x);
     if (!from) return false;
     const Opcode inner = node(*from).op;
@@ -145,7 +150,8 @@ class Simplifier {
     if (inner_known < 0) return false;
     if (node(id).op == Opcode::Add && inner == Opcode::Mul) return false;  // a mad
     if (reads_variable_of_other_loop(*from, id)) return false;
-    const Lanes inner_c = through(x, *from, inner_known, true), rest = through(x, *from, 1 - inner_known, inner == Opcode::Add);
+    const Lanes inner_c = through(x, *from, inner_known, true),
+                rest = through(x, *from, 1 - inner_known, inner == Opcode::Add);
 
     Lanes combined;
     for (int i = 0; i < c.size; ++i) {
@@ -181,7 +187,8 @@ class Simplifier {
     if (ir_.nodes[producer].loop == ir_.nodes[user].loop) return false;
     for (const Lanes& v : ir_.nodes[producer].src)
       for (Ref r : v)
-        if (ir_.nodes[r.node].kind == NodeKind::Variable || ir_.nodes[r.node].kind == NodeKind::Counter) return true;
+        if (ir_.nodes[r.node].kind == NodeKind::Variable || ir_.nodes[r.node].kind == NodeKind::Counter)
+          return true;
     return false;
   }
 
@@ -195,12 +202,14 @@ class Simplifier {
       const bool product = p.op == Opcode::Mul;
       const bool dot2 = p.op == Opcode::Dp2Add && node(id).width == 1 && number(p.src[2][0]) == 0.0;
       if (!product && !dot2) continue;
-      if (best >= 0 && position_[*from] < position_[node(id).src[static_cast<std::size_t>(best)][0].node]) continue;
+      if (best >= 0 && position_[*from] < position_[node(id).src[static_cast<std::size_t>(best)][0].node])
+        continue;
       best = k;
     }
     if (best < 0) return false;
     Node& sum = node(id);
-    const Lanes v = sum.src[static_cast<std::size_t>(best)], other = sum.src[static_cast<std::size_t>(1 - best)];
+    const Lanes v = sum.src[static_cast<std::size_t>(best)],
+                other = sum.src[static_cast<std::size_t>(1 - best)];
     const NodeId from = v[0].node;
     if (node(from).op == Opcode::Mul) {
       sum.op = Opcode::Mad;
@@ -240,7 +249,9 @@ class Simplifier {
       case Opcode::Mov:
       case Opcode::Mul:
       case Opcode::Dp3:
-      case Opcode::Dp4: p.src[0] = negated(p.src[0]); return true;
+      case Opcode::Dp4:
+        p.src[0] = negated(p.src[0]);
+        return true;
       case Opcode::Add:
         p.src[0] = negated(p.src[0]);
         p.src[1] = negated(p.src[1]);
@@ -250,7 +261,8 @@ class Simplifier {
         p.src[0] = negated(p.src[0]);
         p.src[2] = negated(p.src[2]);
         return true;
-      default: return false;
+      default:
+        return false;
     }
   }
 
@@ -287,7 +299,8 @@ class Simplifier {
       } else if (is_instruction(n)) {
         for (int k = 0; k < vm::info(n.op).sources; ++k) {
           const Lanes& v = n.src[static_cast<std::size_t>(k)];
-          if (is_componentwise(n.op)) mark(v[r.lane]);
+          if (is_componentwise(n.op))
+            mark(v[r.lane]);
           else
             for (Ref s : v) mark(s);
         }
@@ -307,7 +320,8 @@ class Simplifier {
       for (std::uint8_t i = 0; i < n.width; ++i) {
         if ((live[id] >> i & 1) == 0) continue;
         if (i != width) {
-          for (int k = 0; k < vm::info(n.op).sources; ++k) n.src[static_cast<std::size_t>(k)][width] = n.src[static_cast<std::size_t>(k)][i];
+          for (int k = 0; k < vm::info(n.op).sources; ++k)
+            n.src[static_cast<std::size_t>(k)][width] = n.src[static_cast<std::size_t>(k)][i];
           n.lane_to[width] = n.lane_to[i];
           moved[{id, i}] = width;
         }

@@ -39,7 +39,9 @@ class Tokens {
         step(std::min(end + 1, text_.size()) - at_);
       } else {
         std::size_t size = 1;
-        const auto word = [](char ch) { return std::isalnum(static_cast<unsigned char>(ch)) != 0 || ch == '_'; };
+        const auto word = [](char ch) {
+          return std::isalnum(static_cast<unsigned char>(ch)) != 0 || ch == '_';
+        };
         if (word(c))
           while (at_ + size < text_.size() && word(text_[at_ + size])) ++size;
         token = {std::string_view(text_).substr(at_, size), line_, column_};
@@ -65,16 +67,23 @@ class Tokens {
   int line_ = 1, column_ = 1;
 };
 
-bool is_word(std::string_view t) { return !t.empty() && (std::isalpha(static_cast<unsigned char>(t[0])) != 0 || t[0] == '_'); }
+bool is_word(std::string_view t) {
+  return !t.empty() && (std::isalpha(static_cast<unsigned char>(t[0])) != 0 || t[0] == '_');
+}
 
 }  // namespace
 
 void scan_source(const std::string& text, const std::string& file) {
   if (text.size() > kMaxSourceBytes)
-    throw UserError(SourcePlace{file, 0, 0}, fmt::format("the source has {} bytes", text.size()), fmt::format("the limit is {}", kMaxSourceBytes));
+    throw UserError(SourcePlace{file, 0, 0}, fmt::format("the source has {} bytes", text.size()),
+                    fmt::format("the limit is {}", kMaxSourceBytes));
   if (const auto zero = text.find('\0'); zero != std::string::npos)
-    throw UserError(SourcePlace{file, static_cast<int>(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')), 0},
-                    "the source contains a zero byte", "is this a binary file? SPIR-V modules end in .spv");
+    throw UserError(
+        SourcePlace{file,
+                    static_cast<int>(
+                        1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')),
+                    0},
+        "the source contains a zero byte", "is this a binary file? SPIR-V modules end in .spv");
   Tokens tokens(text);
   Token t;
   int depth = 0, prefix = 0, operators = 0, nested = 0;
@@ -83,13 +92,16 @@ void scan_source(const std::string& text, const std::string& file) {
     const char c = t.text[0];
     if (c == '(' || c == '[' || c == '{') ++depth;
     if (c == ')' || c == ']' || c == '}') depth = std::max(depth - 1, 0);
-    if (depth > kMaxBracketDepth) throw UserError(here, fmt::format("brackets nested deeper than {}", kMaxBracketDepth));
+    if (depth > kMaxBracketDepth)
+      throw UserError(here, fmt::format("brackets nested deeper than {}", kMaxBracketDepth));
     const bool is_operator = std::string_view("-+!~*&|<>=?:,/%^.").find(c) != std::string_view::npos;
     prefix = is_operator ? prefix + 1 : 0;
-    if (prefix > kMaxBracketDepth) throw UserError(here, fmt::format("more than {} operators in a row", kMaxBracketDepth));
+    if (prefix > kMaxBracketDepth)
+      throw UserError(here, fmt::format("more than {} operators in a row", kMaxBracketDepth));
     // Parsers recurse on long expressions and on statements without braces; both end at ; or }.
     if (is_operator) ++operators;
-    if (t.text == "if" || t.text == "else" || t.text == "for" || t.text == "while" || t.text == "do") ++nested;
+    if (t.text == "if" || t.text == "else" || t.text == "for" || t.text == "while" || t.text == "do")
+      ++nested;
     if (c == ';' || c == '{' || c == '}') operators = 0;
     if (c == '}' || (c == ';' && depth == 0)) nested = std::max(nested - 4, 0);
     if (operators > 20000) throw UserError(here, "an expression with more than 20000 operators");
@@ -102,14 +114,20 @@ void refuse_effect_syntax(const std::string& text, const std::string& file) {
     std::string_view word, follow, what, hint;
   };
   static constexpr std::array kRules = {
-      Rule{"technique", "", "unsupported: effect-framework 'technique' blocks", "keep the functions only and name the entry point with --entry"},
-      Rule{"technique10", "", "unsupported: effect-framework 'technique10' blocks", "keep the functions only and name the entry point with --entry"},
-      Rule{"technique11", "", "unsupported: effect-framework 'technique11' blocks", "keep the functions only and name the entry point with --entry"},
-      Rule{"sampler_state", "", "unsupported: 'sampler_state' blocks", "declare 'sampler2D name : register(sN);'; filters and wrap modes come from the scene"},
-      Rule{"stateblock_state", "", "unsupported: 'stateblock_state' blocks", "render state does not belong to the shader here"},
+      Rule{"technique", "", "unsupported: effect-framework 'technique' blocks",
+           "keep the functions only and name the entry point with --entry"},
+      Rule{"technique10", "", "unsupported: effect-framework 'technique10' blocks",
+           "keep the functions only and name the entry point with --entry"},
+      Rule{"technique11", "", "unsupported: effect-framework 'technique11' blocks",
+           "keep the functions only and name the entry point with --entry"},
+      Rule{"sampler_state", "", "unsupported: 'sampler_state' blocks",
+           "declare 'sampler2D name : register(sN);'; filters and wrap modes come from the scene"},
+      Rule{"stateblock_state", "", "unsupported: 'stateblock_state' blocks",
+           "render state does not belong to the shader here"},
       Rule{"asm", "{", "unsupported: inline 'asm'", "write tfetch2D as tex2D, tex2Dlod or tex2Dgrad"},
       Rule{"compile", "ps_", "unsupported: 'compile' expressions", "name the entry point with --entry"},
-      Rule{"texture", "word;", "unsupported: 'texture' objects", "declare 'sampler2D name : register(sN);' alone"},
+      Rule{"texture", "word;", "unsupported: 'texture' objects",
+           "declare 'sampler2D name : register(sN);' alone"},
   };
   Tokens tokens(text);
   Token t, previous{}, before{};
@@ -117,8 +135,10 @@ void refuse_effect_syntax(const std::string& text, const std::string& file) {
     for (const Rule& rule : kRules) {
       bool hit = rule.follow.empty() && t.text == rule.word && previous.text != "." && previous.text != "#";
       if (rule.follow == "{") hit = previous.text == rule.word && t.text == "{";
-      if (rule.follow == "ps_") hit = previous.text == rule.word && (t.text.starts_with("ps_") || t.text.starts_with("vs_"));
-      if (rule.follow == "word;") hit = before.text == rule.word && is_word(previous.text) && (t.text == ";" || t.text == "<");
+      if (rule.follow == "ps_")
+        hit = previous.text == rule.word && (t.text.starts_with("ps_") || t.text.starts_with("vs_"));
+      if (rule.follow == "word;")
+        hit = before.text == rule.word && is_word(previous.text) && (t.text == ";" || t.text == "<");
       if (!hit) continue;
       const Token& at = rule.follow.empty() ? t : rule.follow == "word;" ? before : previous;
       throw UserError(SourcePlace{file, at.line, at.column}, std::string(rule.what), std::string(rule.hint));

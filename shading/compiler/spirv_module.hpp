@@ -1,6 +1,6 @@
-// A validated SPIR-V module, decoded: types, constants, names, decorations and the blocks of the entry function.
-// Opcodes and enumerants are the numbers of the SPIR-V specification; spirv.hpp11 names them in the .cpp files.
-// Never sees an invalid module: validate_spirv() runs first.
+// A validated SPIR-V module, decoded: types, constants, names, decorations and the blocks of the entry
+// function. Opcodes and enumerants are the numbers of the SPIR-V specification; spirv.hpp11 names them in the
+// .cpp files. Never sees an invalid module: validate_spirv() runs first.
 #pragma once
 
 #include "shading/vm/program.hpp"
@@ -17,8 +17,8 @@ namespace aluminate::compiler {
 
 struct SpirvInstruction {
   std::uint16_t op = 0;
-  std::uint32_t type = 0, result = 0;        // ids, 0 = none
-  std::span<const std::uint32_t> operands;   // words after type and result
+  std::uint32_t type = 0, result = 0;       // ids, 0 = none
+  std::span<const std::uint32_t> operands;  // words after type and result
   vm::SourceLine line{};
 };
 
@@ -30,7 +30,21 @@ struct SpirvBlock {
 };
 
 struct SpirvType {
-  enum class Kind : std::uint8_t { Void, Bool, Int, Float, Vector, Matrix, Array, Struct, Pointer, Image, Sampler, SampledImage, Other };
+  enum class Kind : std::uint8_t {
+    Void,
+    Bool,
+    Int,
+    Float,
+    Vector,
+    Matrix,
+    Array,
+    Struct,
+    Pointer,
+    Image,
+    Sampler,
+    SampledImage,
+    Other
+  };
   Kind kind = Kind::Other;
   bool is_signed = false;
   std::uint32_t element = 0;           // vector, matrix (column), array, pointer, sampled image

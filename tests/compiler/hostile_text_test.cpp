@@ -38,15 +38,18 @@ TEST(HostileText, EndsInAnErrorMessage) {
       {"sum", in + "return v" + repeated("+v", 15000) + ";" + out},
       {"else if", in + repeated("if (v.x > 1) return v; else ", 3000) + "return v;" + out},
       {"ifs", in + repeated("if (v.x > 1) ", 3000) + "return v; return v;" + out},
-      {"nested ifs", in + repeated("if (v.x > 1) {", 190) + "return v;" + repeated("}", 190) + "return v * 2;" + out},
+      {"nested ifs",
+       in + repeated("if (v.x > 1) {", 190) + "return v;" + repeated("}", 190) + "return v * 2;" + out},
       {"comment", "/* " + in},
       {"string", "float4 main() : COLOR0 { return \"abc"},
       {"zero", std::string("float4 main() : COLOR0 { return 1; }\0 x", 39)},
       {"self macro", "#define A A A\n" + in + "return A;" + out},
       {"directive", "#if 1\n#if 1\n#if"},
       {"endless array", "float4 a[1000000000];\n" + in + "return a[3];" + out},
-      {"endless local", in + "float a[100000]; for (int i = 0; i < 100000; i++) a[i] = v.x * i; return a[(int)v.y];" + out},
-      {"huge unroll", in + "float r = 0; [unroll] for (int i = 0; i < 60000; i++) r += sin(v.x * i); return r;" + out},
+      {"endless local",
+       in + "float a[100000]; for (int i = 0; i < 100000; i++) a[i] = v.x * i; return a[(int)v.y];" + out},
+      {"huge unroll",
+       in + "float r = 0; [unroll] for (int i = 0; i < 60000; i++) r += sin(v.x * i); return r;" + out},
       {"division by zero", in + "return v / 0 + 1 % 0;" + out},
       {"infinity", in + "return v * (1e38 * 1e38);" + out},
       {"not a number", in + "return v * sqrt(-1.0) + log(0.0);" + out},
@@ -66,7 +69,8 @@ TEST(HostileText, DamagedSourceNeverCrashes) {
   Options o;
   const std::string good =
       "sampler2D s; float4 c[4]; struct I { float2 uv : TEXCOORD0; float3 n : TEXCOORD1; };\n"
-      "float4 main(I i) : COLOR0 { float4 t = tex2D(s, i.uv); float3 r = 0; for (int k = 0; k < 4; k++) { if (dot(i.n, c[k].xyz) < 0) continue; r += c[k].rgb * pow(t.a, 5); }\n"
+      "float4 main(I i) : COLOR0 { float4 t = tex2D(s, i.uv); float3 r = 0; for (int k = 0; k < 4; k++) { if "
+      "(dot(i.n, c[k].xyz) < 0) continue; r += c[k].rgb * pow(t.a, 5); }\n"
       "if (t.a < 0.5) discard; return float4(normalize(r), c[(int)t.x].w); }";
   std::mt19937 random(7);
   for (int trial = 0; trial < 300; ++trial) {
@@ -75,9 +79,15 @@ TEST(HostileText, DamagedSourceNeverCrashes) {
     for (int e = 0; e < edits; ++e) {
       const std::size_t at = random() % text.size(), size = random() % 12;
       switch (random() % 3) {
-        case 0: text.erase(at, size); break;
-        case 1: text.insert(at, text.substr(random() % text.size(), size)); break;
-        default: text[at] = "(){};,.<>=+-*/%!&|^~?:[]#0123abc \n"[random() % 34]; break;
+        case 0:
+          text.erase(at, size);
+          break;
+        case 1:
+          text.insert(at, text.substr(random() % text.size(), size));
+          break;
+        default:
+          text[at] = "(){};,.<>=+-*/%!&|^~?:[]#0123abc \n"[random() % 34];
+          break;
       }
     }
     expect_survives(text, Language::Hlsl, text);

@@ -11,12 +11,14 @@ struct Published {
   int d3d9_alu, output_moves;
 };
 
-// The period compiler moved the finished colour to oC0 in an instruction of its own; ours writes the output where the
-// last operation allows it. output_moves is that difference.
-constexpr Published kPublished[] = {{"add_constant", 2, 1}, {"tinted_particle", 8, 1}, {"soft_additive", 4, 1}, {"toon_cube", 5, 1}};
+// The period compiler moved the finished colour to oC0 in an instruction of its own; ours writes the output
+// where the last operation allows it. output_moves is that difference.
+constexpr Published kPublished[] = {
+    {"add_constant", 2, 1}, {"tinted_particle", 8, 1}, {"soft_additive", 4, 1}, {"toon_cube", 5, 1}};
 
 TEST(PublishedFigures, SlotsAgreeExceptForTheMoveToTheOutput) {
-  if (!std::filesystem::exists(ALUMINATE_SHARED_DIR "/xenos/add_constant.hlsl")) GTEST_SKIP() << "the public shaders are not there";
+  if (!std::filesystem::exists(ALUMINATE_SHARED_DIR "/xenos/add_constant.hlsl"))
+    GTEST_SKIP() << "the public shaders are not there";
   for (const Published& shader : kPublished) {
     Options o;
     o.source_path = std::string(ALUMINATE_SHARED_DIR "/xenos/") + shader.name + ".hlsl";
@@ -25,10 +27,12 @@ TEST(PublishedFigures, SlotsAgreeExceptForTheMoveToTheOutput) {
 }
 
 TEST(PublishedFigures, BumpedSpecularStaysBelowThePeriodCompiler) {
-  if (!std::filesystem::exists(ALUMINATE_SHARED_DIR "/xenos/bumpspec_dir.hlsl")) GTEST_SKIP() << "the public shaders are not there";
+  if (!std::filesystem::exists(ALUMINATE_SHARED_DIR "/xenos/bumpspec_dir.hlsl"))
+    GTEST_SKIP() << "the public shaders are not there";
   Options o;
   o.source_path = ALUMINATE_SHARED_DIR "/xenos/bumpspec_dir.hlsl";
-  // 25 were printed. As written: mad, 2 mad, sqrt (2), dp3, max, mul, log, mul, exp, mul, dp3, max, 2 mul, mad, mul, mad, mov.
+  // 25 were printed. As written: mad, 2 mad, sqrt (2), dp3, max, mul, log, mul, exp, mul, dp3, max, 2 mul,
+  // mad, mul, mad, mov.
   EXPECT_EQ(slots(compile_valid(o)), 20);
 }
 

@@ -19,7 +19,8 @@ namespace aluminate::compiler::testing {
 
 using Float4 = std::array<double, 4>;
 
-inline Options options_for(const std::string& text, Language language = Language::Hlsl, LoopMode loops = LoopMode::AsWritten) {
+inline Options options_for(const std::string& text, Language language = Language::Hlsl,
+                           LoopMode loops = LoopMode::AsWritten) {
   Options o;
   o.source_path = language == Language::Hlsl ? "test.hlsl" : "test.frag";
   o.source = text;
@@ -77,8 +78,10 @@ struct Outcome {
 };
 
 /// inputs by semantic, uniforms by name (register order).
-inline Outcome run(const vm::Program& p, const std::function<double(const std::string& semantic, int component, int lane)>& input,
-               const std::map<std::string, std::vector<double>>& uniforms = {}, const char* format_name = "ref64") {
+inline Outcome run(const vm::Program& p,
+                   const std::function<double(const std::string& semantic, int component, int lane)>& input,
+                   const std::map<std::string, std::vector<double>>& uniforms = {},
+                   const char* format_name = "ref64") {
   const auto format = *number::parse_number_format(format_name);
   const vm::Executable executable = vm::prepare(p, format);
   const auto rows = [](std::size_t n) { return std::vector<double>((n + 1) * vm::kLanes); };
@@ -95,7 +98,8 @@ inline Outcome run(const vm::Program& p, const std::function<double(const std::s
       known = true;
       for (std::size_t k = 0; k < values.size(); ++k) {
         const std::size_t reg = static_cast<std::size_t>(u.reg) + k / static_cast<std::size_t>(u.components);
-        constants[reg * 4 + static_cast<std::size_t>(u.component) + k % static_cast<std::size_t>(u.components)] = values[k];
+        constants[reg * 4 + static_cast<std::size_t>(u.component) +
+                  k % static_cast<std::size_t>(u.components)] = values[k];
       }
     }
     EXPECT_TRUE(known) << "no uniform " << name;
@@ -115,22 +119,30 @@ inline Outcome run(const vm::Program& p, const std::function<double(const std::s
   result.overran = counters.overrun_loop >= 0;
   for (std::size_t r = 0; r < executable.outputs().size(); ++r)
     for (std::size_t lane = 0; lane < vm::kLanes; ++lane)
-      result.outputs[p.outputs[executable.outputs()[r].index].semantic][lane][executable.outputs()[r].component] = out[r * vm::kLanes + lane];
+      result.outputs[p.outputs[executable.outputs()[r].index].semantic][lane]
+                    [executable.outputs()[r].component] = out[r * vm::kLanes + lane];
   return result;
 }
 
-/// Deterministic test values: signs, zero, ones and numbers of ordinary size, different in every lane and component.
+/// Deterministic test values: signs, zero, ones and numbers of ordinary size, different in every lane and
+/// component.
 inline double test_value(const std::string& semantic, int component, int lane) {
-  std::uint64_t x = 0x9e3779b97f4a7c15u * (static_cast<std::uint64_t>(lane) * 64 + static_cast<std::uint64_t>(component) * 16 +
-                                           static_cast<std::uint64_t>(semantic.back()) + 1);
+  std::uint64_t x = 0x9e3779b97f4a7c15u *
+                    (static_cast<std::uint64_t>(lane) * 64 + static_cast<std::uint64_t>(component) * 16 +
+                     static_cast<std::uint64_t>(semantic.back()) + 1);
   x ^= x >> 29;
   x *= 0xbf58476d1ce4e5b9u;
   x ^= x >> 32;
   switch (x % 16) {
-    case 0: return 0;
-    case 1: return 1;
-    case 2: return -1;
-    default: return static_cast<double>(static_cast<std::int64_t>(x >> 40) - (1 << 23)) / (1 << 21);  // [-4, 4), exact in fp32
+    case 0:
+      return 0;
+    case 1:
+      return 1;
+    case 2:
+      return -1;
+    default:
+      return static_cast<double>(static_cast<std::int64_t>(x >> 40) - (1 << 23)) /
+             (1 << 21);  // [-4, 4), exact in fp32
   }
 }
 
