@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace aluminate::passes {
 namespace {
@@ -22,6 +23,19 @@ void add_masked(std::uint32_t* plane, std::uint16_t lanes, std::uint32_t value) 
 }
 
 }  // namespace
+
+LaneCost executed_cost(const PixelProgram& program, std::span<const std::uint32_t> lane_blocks, int lane) {
+  LaneCost cost;
+  for (std::size_t block = 0; block < program.cost.blocks.size(); ++block) {
+    const std::uint32_t runs = lane_blocks[block * vm::kLanes + static_cast<std::size_t>(lane)];
+    const cost::BlockCost& price = program.cost.blocks[block];
+    cost.alu_words += runs * static_cast<std::uint32_t>(std::ceil(price.alu_words));
+    cost.alu_slots += runs * static_cast<std::uint32_t>(price.alu_slots);
+    cost.fetches += runs * static_cast<std::uint32_t>(price.fetches);
+    cost.fetch_cyc += runs * static_cast<std::uint32_t>(std::ceil(price.fetch_cyc));
+  }
+  return cost;
+}
 
 TileBill::Totals& TileBill::Totals::operator+=(const Totals& other) {
   pixels += other.pixels;

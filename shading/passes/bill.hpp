@@ -19,6 +19,9 @@ struct LaneCost {
   std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
 };
 
+/// What one lane of a program that branches on data paid: blocks times their executions. lane_blocks: [blocks][64].
+LaneCost executed_cost(const PixelProgram& program, std::span<const std::uint32_t> lane_blocks, int lane);
+
 /// One worker's tile. begin(), feed as BillSink and through add_executed(), then store().
 class TileBill : public raster::BillSink {
  public:

@@ -123,15 +123,7 @@ class TileWorker : public raster::QuadShader {
     const raster::TileOrigin origin = tile_.view().origin;
     for (int lane = 0; lane < 4 * batch.count; ++lane) {
       if ((batch.billed >> (lane & ~3) & 0xf) == 0) continue;
-      LaneCost cost;
-      for (std::size_t block = 0; block < program.cost.blocks.size(); ++block) {
-        const std::uint32_t runs = lane_blocks_[block * vm::kLanes + static_cast<std::size_t>(lane)];
-        const cost::BlockCost& price = program.cost.blocks[block];
-        cost.alu_words += runs * static_cast<std::uint32_t>(std::ceil(price.alu_words));
-        cost.alu_slots += runs * static_cast<std::uint32_t>(price.alu_slots);
-        cost.fetches += runs * static_cast<std::uint32_t>(price.fetches);
-        cost.fetch_cyc += runs * static_cast<std::uint32_t>(std::ceil(price.fetch_cyc));
-      }
+      const LaneCost cost = executed_cost(program, lane_blocks_, lane);
       const auto q = static_cast<std::size_t>(lane) / 4;
       bill_.add_executed(batch.x[q] + (lane & 1) - origin.x, batch.y[q] + (lane >> 1 & 1) - origin.y, cost);
     }

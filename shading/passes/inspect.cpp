@@ -10,6 +10,7 @@
 #include "rasterizer/bill.hpp"
 #include "rasterizer/quads.hpp"
 #include "scenes/scene.hpp"
+#include "shading/passes/bill.hpp"
 #include "shading/passes/prepared.hpp"
 #include "shading/passes/shade.hpp"
 
@@ -38,7 +39,9 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       if (stamp.stamp != raster::stamp_of(x_, y_)) continue;
       const int lane = raster::lane_of(x_, y_);
       if ((raster::shaded_lanes(stamp.covered) >> lane & 1) == 0) continue;
-      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "hidden" : "helper lane");
+      if (!program_of(stamp.draw).straight_line) continue;   // billed as executed, see shade()
+      const PathInfo& path = program_of(stamp.draw).path;
+      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "hidden" : "helper lane", {path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc});
     }
   }
 
@@ -46,13 +49,27 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     std::array<raster::QuadPosition, raster::kBatchQuads> quads;
     const auto count = static_cast<std::size_t>(batch.count);
     const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
-    int mine = -1;
+    const int lane_in_quad = (py & 1) * 2 + (px & 1);
+    const PixelProgram& program = program_of(batch.draw);
+    std::vector<int> here;   // lanes of this batch at the pixel
+    int mine = -1;           // the one that is visible
     for (std::size_t q = 0; q < count; ++q) {
       quads[q] = {batch.triangle[q], batch.x[q], batch.y[q]};
-      for (int l = 0; l < 4; ++l)
-        if (batch.x[q] + (l & 1) == px && batch.y[q] + (l >> 1) == py && (batch.visible >> (4 * q + static_cast<std::size_t>(l)) & 1)) mine = static_cast<int>(4 * q) + l;
+      if (batch.x[q] != (px & ~1) || batch.y[q] != (py & ~1)) continue;
+      here.push_back(static_cast<int>(4 * q) + lane_in_quad);
+      if (batch.visible >> here.back() & 1) mine = here.back();
     }
-    const ShadingJob job{batch.draw, {quads.data(), count}, batch.visible, nullptr};
+    ShadingJob job{batch.draw, {quads.data(), count}, batch.visible, nullptr};
+    if (!program.straight_line && !here.empty()) {
+      std::vector<std::uint32_t> lane_blocks(program.executable.block_count() * vm::kLanes);
+      job.covered |= batch.billed;
+      job.lane_blocks = lane_blocks.data();
+      shader_.run(job);
+      for (const int lane : here)
+        if (batch.billed >> (lane & ~3) & 0xf) add_visit(batch.draw, (batch.billed >> lane & 1) ? "hidden" : "helper lane", executed_cost(program, lane_blocks, lane));
+      job.covered = batch.visible;
+      job.lane_blocks = nullptr;
+    }
     if (mine < 0) return shader_.run(job);
     const bool kept = trace(job, mine);
     const bool blended = prepared_.list.draws[batch.draw].surface == Surface::Blended;
@@ -62,14 +79,16 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
   }
 
  private:
-  void add_visit(std::uint32_t draw, const char* outcome) {
-    const DrawState& state = prepared_.list.draws[draw];
-    const PathInfo& path = prepared_.list.pixel_programs[static_cast<std::size_t>(state.pixel_program)].path;
-    report_.visits.push_back({draw, state.mesh->name, path.program, outcome, path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc});
-    report_.alu_words += path.alu_words;
-    report_.alu_slots += path.alu_slots;
-    report_.fetches += path.fetches;
-    report_.fetch_cyc += path.fetch_cyc;
+  const PixelProgram& program_of(std::uint32_t draw) const {
+    return prepared_.list.pixel_programs[static_cast<std::size_t>(prepared_.list.draws[draw].pixel_program)];
+  }
+
+  void add_visit(std::uint32_t draw, const char* outcome, const LaneCost& cost) {
+    report_.visits.push_back({draw, prepared_.list.draws[draw].mesh->name, program_of(draw).path.program, outcome, cost.alu_words, cost.alu_slots, cost.fetches, cost.fetch_cyc});
+    report_.alu_words += cost.alu_words;
+    report_.alu_slots += cost.alu_slots;
+    report_.fetches += cost.fetches;
+    report_.fetch_cyc += cost.fetch_cyc;
   }
 
   void trace_visible(raster::TriangleId id) {
@@ -94,7 +113,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     vm::Trace recorded;
     recorded.lane = lane;
     survivors_ = shader_.run_traced(job, recorded);
-    const PixelProgram& program = prepared_.list.pixel_programs[static_cast<std::size_t>(prepared_.list.draws[job.draw].pixel_program)];
+    const PixelProgram& program = program_of(job.draw);
     report_.traced_program = program.path.program;
     report_.trace.clear();
     for (const vm::TraceEntry& entry : recorded.entries) {
