@@ -310,6 +310,38 @@ TEST(Values, UnoptimisedModulesGiveTheSameValues) {
   for (const Case& c : cases()) expect_case(c, Language::Glsl, false);
 }
 
+// Both sides of every multiple, where a quotient that is off by any fraction shows.
+TEST(Values, IntegerDivisionIsExactBelowTwoToTheTwenty) {
+  const vm::Program p =
+      compile_valid(options_for("float4 main(float4 a : TEXCOORD0) : COLOR0 { int n = (int)a.x, d = "
+                                "(int)a.y; return float4(n / d, n % d, "
+                                "(uint)abs(a.x) / (uint)abs(a.y), 0); }"));
+  for (const char* format : {"fx31", "fx24", "ref64"})
+    for (int round = 0; round < 60; ++round) {
+      const auto operands = [&](int lane) {
+        const std::int64_t k = round * vm::kLanes + lane;
+        const std::int64_t d = 1 + k * k * 7919 % 60000;
+        const std::int64_t multiple = std::max<std::int64_t>(1, (k * 104729) % ((1 << 20) / d + 1)) * d;
+        const std::int64_t n = std::min<std::int64_t>(multiple - k % 2, (1 << 20) - 1);
+        return std::pair(k % 4 < 2 ? n : -n, k % 8 < 4 ? d : -d);
+      };
+      const Outcome r = run(
+          p,
+          [&](const std::string&, int component, int lane) {
+            const auto [n, d] = operands(lane);
+            return static_cast<double>(component == 0 ? n : d);
+          },
+          {}, format);
+      for (int lane = 0; lane < vm::kLanes; ++lane) {
+        const auto [n, d] = operands(lane);
+        const Float4 got = r.outputs.at("COLOR0")[static_cast<std::size_t>(lane)];
+        ASSERT_EQ(got[0], static_cast<double>(n / d)) << n << " / " << d << " " << format;
+        ASSERT_EQ(got[1], static_cast<double>(n % d)) << n << " % " << d << " " << format;
+        ASSERT_EQ(got[2], static_cast<double>(std::abs(n) / std::abs(d))) << n << " / " << d << " " << format;
+      }
+    }
+}
+
 TEST(Values, ConstantsWithASuffixKeepTheirFullPrecision) {
   const vm::Program p =
       compile_valid(options_for("float4 main(float4 a : TEXCOORD0) : COLOR0 { return float4(a.x * 0.1L, a.x "
