@@ -18,7 +18,7 @@ struct Choice {
   std::string_view name;
   Enum value;
 };
-constexpr Choice<Pipeline> kPipelines[] = {{"forward", Pipeline::Forward}, {"deferred", Pipeline::Deferred}};
+constexpr Choice<Pipeline> kPipelines[] = {{"forward", Pipeline::Forward}};
 constexpr Choice<Tonemap> kTonemaps[] = {
     {"none", Tonemap::None}, {"reinhard", Tonemap::Reinhard}, {"filmic", Tonemap::Filmic}};
 constexpr Choice<LightLoop> kLightLoops[] = {
@@ -137,7 +137,7 @@ const std::vector<OptionInfo>& option_table() {
       {"lights", "rig:N|scene|none", "light set (scene if the file has lights, else rig:4)"},
       {"ambient", "flat:V|none", "ambient light on cdiff + cspec (flat:0.03)"},
       {"background", "R,G,B", "stored display values (0.05,0.06,0.08)"},
-      {"pipeline", "forward|deferred", "shading pipeline (forward)"},
+      {"pipeline", "forward", "shading pipeline; this version has one"},
       {"visibility", "none|schlick-smith|integrated|cheap", "specular visibility term (schlick-smith)"},
       {"fresnel", "schlick|sg|sg-lagarde", "Fresnel term (schlick)"},
       {"tonemap", "none|reinhard|filmic", "tone map before display (none: clamp)"},

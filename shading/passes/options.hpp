@@ -15,7 +15,7 @@
 
 namespace aluminate::passes {
 
-enum class Pipeline { Forward, Deferred };
+enum class Pipeline { Forward };
 enum class Tonemap { None, Reinhard, Filmic };
 enum class AmbientKind { None, Flat };
 enum class LightLoop { Auto, Rolled, Unrolled };  // Auto: unrolled up to kUnrolledLights lights
