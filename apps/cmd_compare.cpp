@@ -1,4 +1,5 @@
-// aluminate compare SCENE --a k=v,.. --b k=v,.. -o DIR: two variants of one picture, what each costs, where they differ.
+// aluminate compare SCENE --a k=v,.. --b k=v,.. -o DIR: two variants of one picture, what each costs, where
+// they differ.
 #include <fmt/format.h>
 
 #include "apps/session.hpp"
@@ -30,7 +31,8 @@ void run(const Arguments& arguments, Session& session) {
   host::make_directories(arguments.directory);
   host::OutputSet outputs;
   std::vector<host::OutputFile*> files;
-  for (const std::string& name : report::comparison_file_names()) files.push_back(&outputs.add(arguments.directory + "/" + name));
+  for (const std::string& name : report::comparison_file_names())
+    files.push_back(&outputs.add(arguments.directory + "/" + name));
 
   report::Billed a = report::render_and_bill(scene, options_a, arguments.budget_ms, 1);
   report::Billed b = report::render_and_bill(scene, options_b, arguments.budget_ms, 1);
@@ -38,7 +40,8 @@ void run(const Arguments& arguments, Session& session) {
   b.name = arguments.b;
   for (const std::string& warning : a.frame.warnings) host::warning(warning);
   for (const std::string& warning : b.frame.warnings) host::warning(warning);
-  const report::ImageDifference difference = report::compare_images(a.frame.width, a.frame.rgba8, b.frame.rgba8);
+  const report::ImageDifference difference =
+      report::compare_images(a.frame.width, a.frame.rgba8, b.frame.rgba8);
   const std::vector<report::ComparisonFile> contents = report::comparison_files(a, b, difference);
   for (std::size_t i = 0; i < files.size(); ++i) files[i]->write(contents[i].bytes);
   outputs.commit();
@@ -52,14 +55,23 @@ void run(const Arguments& arguments, Session& session) {
 
 void add_compare(CLI::App& app, Session& session) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("compare", "draw a scene under two variants; exit 1 when B costs more than A (HURT)");
-  command->footer("Example:\n  aluminate compare helmet.glb --a visibility=schlick-smith --b visibility=cheap --lights rig:4 -o out");
+  CLI::App* command = app.add_subcommand(
+      "compare", "draw a scene under two variants; exit 1 when B costs more than A (HURT)");
+  command->footer(
+      "Example:\n  aluminate compare helmet.glb --a visibility=schlick-smith --b visibility=cheap --lights "
+      "rig:4 -o out");
   command->add_option("SCENE", arguments->scene, ".gltf or .glb")->required();
-  command->add_option("--a", arguments->a, "options of A, key=value,key=value (keys: the option names below)")->required();
+  command->add_option("--a", arguments->a, "options of A, key=value,key=value (keys: the option names below)")
+      ->required();
   command->add_option("--b", arguments->b, "options of B")->required();
-  command->add_option("-o,--output", arguments->directory, "folder for pictures, heat maps, EXR layers and JSON")->required();
-  command->add_option("--budget", arguments->budget_ms, "console milliseconds a frame may take: exit 1 when one does not fit")
-      ->check(CLI::PositiveNumber)->type_name("MS");
+  command
+      ->add_option("-o,--output", arguments->directory, "folder for pictures, heat maps, EXR layers and JSON")
+      ->required();
+  command
+      ->add_option("--budget", arguments->budget_ms,
+                   "console milliseconds a frame may take: exit 1 when one does not fit")
+      ->check(CLI::PositiveNumber)
+      ->type_name("MS");
   arguments->frame.add_to(*command);
   command->callback([arguments, &session] { run(*arguments, session); });
 }

@@ -15,13 +15,20 @@ void add_cost(CLI::App& app, Session&) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("cost", "static cost of shaders and variants on a console");
-  command->footer("Examples:\n  aluminate cost schlick-smith cheap --light-loop rolled\n  aluminate cost my_shader.hlsl --platform rsx --listing");
-  command->add_option("SUBJECT", arguments->request.subjects, "shader files, visibility names or key=value variants of the shipped shader")->required();
+  command->footer(
+      "Examples:\n  aluminate cost schlick-smith cheap --light-loop rolled\n  aluminate cost my_shader.hlsl "
+      "--platform rsx --listing");
+  command
+      ->add_option("SUBJECT", arguments->request.subjects,
+                   "shader files, visibility names or key=value variants of the shipped shader")
+      ->required();
   command->add_flag("--listing", arguments->request.listing, "instruction by instruction, as scheduled");
   command->add_option("--format", arguments->format, "text, json, tsv, markdown or fxc360");
-  command->add_option("--stage", arguments->request.stage, "stage of a shader file")->check(CLI::IsMember({"pixel", "vertex"}));
+  command->add_option("--stage", arguments->request.stage, "stage of a shader file")
+      ->check(CLI::IsMember({"pixel", "vertex"}));
   command->add_option("--entry", arguments->request.entry, "entry point of a shader file");
-  command->add_flag("--trilinear", arguments->trilinear, "count trilinear fetches as such; the period's estimate assumes bilinear");
+  command->add_flag("--trilinear", arguments->trilinear,
+                    "count trilinear fetches as such; the period's estimate assumes bilinear");
   command->add_flag("--loose", arguments->loose, "ignore the third-source pairing rule (sensitivity only)");
   arguments->frame.add_to(*command, {"platform", "lights", "fresnel", "light-loop", "D"});
   command->callback([arguments] {

@@ -20,7 +20,8 @@ void run(const Arguments& arguments, Session& session) {
   const host::Image8 a = host::read_image_rgba8(arguments.a);
   const host::Image8 b = host::read_image_rgba8(arguments.b);
   if (a.width != b.width || a.height != b.height) {
-    throw UserError(fmt::format("sizes differ: {} is {}x{}, {} is {}x{}", arguments.a, a.width, a.height, arguments.b, b.width, b.height),
+    throw UserError(fmt::format("sizes differ: {} is {}x{}, {} is {}x{}", arguments.a, a.width, a.height,
+                                arguments.b, b.width, b.height),
                     "diff compares pictures of one size");
   }
   const report::ImageDifference d = report::compare_images(a.width, a.texels, b.texels);

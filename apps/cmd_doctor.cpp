@@ -7,7 +7,8 @@
 namespace aluminate::apps {
 
 void add_doctor(CLI::App& app, Session& session) {
-  CLI::App* command = app.add_subcommand("doctor", "versions, CPU features and the determinism self-test; exit 1 when it fails");
+  CLI::App* command = app.add_subcommand(
+      "doctor", "versions, CPU features and the determinism self-test; exit 1 when it fails");
   command->callback([&session] {
     const report::SelfTest test = report::self_test();
     fmt::print("{}", test.text);

@@ -35,8 +35,9 @@ void run(const Arguments& arguments) {
   output.write(result.csv);
   output.commit();
   if (result.saturations)
-    host::warning(fmt::format("{} results left the range of {} and were clamped; data rows {}{}", result.saturations, format.name,
-                              fmt::join(result.saturated_rows, ", "), result.saturated_rows.size() == 10 ? ", ..." : ""));
+    host::warning(fmt::format("{} results left the range of {} and were clamped; data rows {}{}",
+                              result.saturations, format.name, fmt::join(result.saturated_rows, ", "),
+                              result.saturated_rows.size() == 10 ? ", ..." : ""));
 }
 
 }  // namespace
@@ -44,8 +45,9 @@ void run(const Arguments& arguments) {
 void add_eval(CLI::App& app, Session&) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("eval", "run the BRDF or a shader over a table of inputs");
-  command->footer("Example:\n  aluminate eval brdf --inputs angles.csv -o values.csv --visibility cheap --number fx31\n"
-                  "  (columns g,n_dot_l,n_dot_v,n_dot_h,h_dot_v,cspec; adds value = pi * specular f)");
+  command->footer(
+      "Example:\n  aluminate eval brdf --inputs angles.csv -o values.csv --visibility cheap --number fx31\n"
+      "  (columns g,n_dot_l,n_dot_v,n_dot_h,h_dot_v,cspec; adds value = pi * specular f)");
   command->add_option("SUBJECT", arguments->subject, "brdf, or a pixel shader file")->required();
   command->add_option("--inputs", arguments->inputs, "CSV, first line names the columns")->required();
   command->add_option("-o,--output", arguments->output, "CSV with the results added")->required();

@@ -44,7 +44,8 @@ void add_scene(CLI::App& app, Session& session) {
   info->add_option("FILE", arguments->file, ".gltf or .glb")->required();
   info->add_flag("--json", arguments->json, "as JSON");
   info->callback([arguments] { show_info(arguments->file, arguments->json); });
-  CLI::App* check = command->add_subcommand("validate", "every warning, one a line; exit 0 clean, 1 with warnings");
+  CLI::App* check =
+      command->add_subcommand("validate", "every warning, one a line; exit 0 clean, 1 with warnings");
   check->add_option("FILE", arguments->file, ".gltf or .glb")->required();
   check->callback([arguments, &session] { validate(arguments->file, session); });
 }

@@ -24,7 +24,8 @@ void add_sky_options(CLI::App& command, const std::shared_ptr<Arguments>& a) {
   command.add_option("--sun-zenith", a->request.sun_zenith_deg, "degrees from the zenith")->type_name("DEG");
   command.add_option("--zenith-color", a->zenith, "gradient at the zenith, linear R,G,B");
   command.add_option("--horizon-color", a->horizon, "gradient at the horizon, linear R,G,B");
-  command.add_option("--relative", a->request.relative, "luminance relative to the sun or the zenith: sun|zenith");
+  command.add_option("--relative", a->request.relative,
+                     "luminance relative to the sun or the zenith: sun|zenith");
 }
 
 void read_colors(Arguments& a) {
@@ -34,18 +35,24 @@ void read_colors(Arguments& a) {
 
 void write_table(const Arguments& a) {
   host::OutputFile output(a.output);
-  output.write(report::sky_table(report::parse_csv(host::read_text(a.inputs), a.inputs), a.inputs, sky::parse_sky(a.request.sky)));
+  output.write(report::sky_table(report::parse_csv(host::read_text(a.inputs), a.inputs), a.inputs,
+                                 sky::parse_sky(a.request.sky)));
   output.commit();
 }
 
 void write_dome(Arguments& a) {
   read_colors(a);
-  if (!a.output.ends_with(".exr")) throw UserError(fmt::format("{}: the dome is written as .exr", a.output), "luminance exceeds 1");
-  const sky::DomeImageOptions options{.width = a.width, .height = a.width / 2, .post_process = report::parse_color("--polarizer", a.post_process)};
+  if (!a.output.ends_with(".exr"))
+    throw UserError(fmt::format("{}: the dome is written as .exr", a.output), "luminance exceeds 1");
+  const sky::DomeImageOptions options{.width = a.width,
+                                      .height = a.width / 2,
+                                      .post_process = report::parse_color("--polarizer", a.post_process)};
   const std::vector<float> rgb = sky::dome_image(report::make_sky(a.request), options);
   std::vector<float> channels[3];
   for (std::size_t i = 0; i < rgb.size(); ++i) channels[i % 3].push_back(rgb[i]);
-  const host::ExrLayer layers[] = {{"R", std::span<const float>(channels[0])}, {"G", std::span<const float>(channels[1])}, {"B", std::span<const float>(channels[2])}};
+  const host::ExrLayer layers[] = {{"R", std::span<const float>(channels[0])},
+                                   {"G", std::span<const float>(channels[1])},
+                                   {"B", std::span<const float>(channels[2])}};
   host::write_exr(a.output, options.width, options.height, layers);
 }
 
@@ -68,12 +75,15 @@ void add_sky(CLI::App& app, Session&) {
   command->require_subcommand(1);
   CLI::App* table = command->add_subcommand("table", "relative luminance for a CSV of angles");
   table->add_option("--sky", a->request.sky, "CIE type 1..15, fc3, or a,b,c,d,e");
-  table->add_option("--inputs", a->inputs, "CSV: sun_zenith_deg,view_zenith_deg,azimuth_from_sun_deg")->required();
+  table->add_option("--inputs", a->inputs, "CSV: sun_zenith_deg,view_zenith_deg,azimuth_from_sun_deg")
+      ->required();
   table->add_option("-o,-F,--output", a->output, "CSV with L_over_L_zenith,L_over_L_sun added")->required();
   table->callback([a] { write_table(*a); });
   CLI::App* sh9 = command->add_subcommand("sh9", "nine coefficients x rgb");
   add_sky_options(*sh9, a);
-  sh9->add_option("--json", a->json, "as JSON, to a file or ('-' or nothing) to stdout")->expected(0, 1)->default_str("-");
+  sh9->add_option("--json", a->json, "as JSON, to a file or ('-' or nothing) to stdout")
+      ->expected(0, 1)
+      ->default_str("-");
   sh9->callback([a] { write_sh9(*a); });
   CLI::App* dome = command->add_subcommand("dome", "latitude-longitude image, linear, zenith on top");
   add_sky_options(*dome, a);

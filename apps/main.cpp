@@ -23,7 +23,8 @@ void print_error(const std::string& what, const std::string& hint) {
 
 std::vector<std::string> subcommand_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
   return names;
 }
 
@@ -37,7 +38,8 @@ const CLI::App& innermost(const CLI::App& app) {
 int usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
   std::string what = error.what();
-  std::string hint = fmt::format("'{} --help' lists what it takes", &command == &app ? "aluminate" : "aluminate " + command.get_name());
+  std::string hint = fmt::format("'{} --help' lists what it takes",
+                                 &command == &app ? "aluminate" : "aluminate " + command.get_name());
   const std::vector<std::string> left = app.remaining(true);
   if (!left.empty()) {
     const std::string word = left.front().substr(0, left.front().find('='));
@@ -49,7 +51,8 @@ int usage_error(const CLI::App& app, const CLI::ParseError& error) {
       if (const std::string near = host::did_you_mean(word, names); !near.empty()) hint = near;
     } else if (!subcommand_names(command).empty()) {
       what = fmt::format("unknown command '{}'", word);
-      if (const std::string near = host::did_you_mean(word, subcommand_names(command)); !near.empty()) hint = near;
+      if (const std::string near = host::did_you_mean(word, subcommand_names(command)); !near.empty())
+        hint = near;
     } else {
       what = fmt::format("unexpected argument '{}'", word);
     }
@@ -62,11 +65,13 @@ int run(int argc, char** argv) {
   Session session;
   for (int i = 0; i < argc; ++i) session.command += (i ? " " : "") + std::string(i ? argv[i] : "aluminate");
 
-  CLI::App app{"Renders glTF scenes with Far Cry 3's shading model and prices every pixel on a console of its time."};
+  CLI::App app{
+      "Renders glTF scenes with Far Cry 3's shading model and prices every pixel on a console of its time."};
   app.name("aluminate");
   app.set_version_flag("--version", std::string("aluminate " ALUMINATE_VERSION));
   app.require_subcommand(1);
-  app.add_flag_callback("-q,--quiet", [&] { host::set_talk(host::Talk::Quiet); }, "warnings only: no notes, no progress");
+  app.add_flag_callback(
+      "-q,--quiet", [&] { host::set_talk(host::Talk::Quiet); }, "warnings only: no notes, no progress");
   app.fallthrough();
   add_render(app, session);
   add_compare(app, session);
@@ -86,7 +91,7 @@ int run(int argc, char** argv) {
   }
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& success) {   // --help, --version
+  } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     return usage_error(app, error);
@@ -112,7 +117,8 @@ int main(int argc, char** argv) {
     apps::print_error("not enough memory for this job", "try a smaller --size or a smaller scene");
     return apps::kUsageError;
   } catch (const std::exception& error) {
-    apps::print_error(error.what(), "this is a bug in aluminate: please report it with the command and its input");
+    apps::print_error(error.what(),
+                      "this is a bug in aluminate: please report it with the command and its input");
     return apps::kOurBug;
   }
 }

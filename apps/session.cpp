@@ -18,7 +18,8 @@ void FrameArguments::add_to(CLI::App& command, const std::vector<std::string>& n
         ->type_name(std::string(option.values))
         ->allow_extra_args(false);
   }
-  command.add_option("--threads", threads_, "threads to use; never changes a result (0: every core)")->type_name("N");
+  command.add_option("--threads", threads_, "threads to use; never changes a result (0: every core)")
+      ->type_name("N");
 }
 
 passes::FrameOptions FrameArguments::resolve() const {

@@ -1,5 +1,6 @@
-// What every subcommand shares: the exit code, the command as typed (for reports) and the common options. A command file
-// declares its arguments, calls one library function and prints what comes back; it decides nothing.
+// What every subcommand shares: the exit code, the command as typed (for reports) and the common options. A
+// command file declares its arguments, calls one library function and prints what comes back; it decides
+// nothing.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,11 +17,11 @@ enum ExitCode { kDone = 0, kAnswerIsNo = 1, kUsageError = 2, kOurBug = 3 };
 
 struct Session {
   int exit_code = kDone;
-  std::string command;   // argv joined, as typed
+  std::string command;  // argv joined, as typed
 };
 
-/// --size --camera --visibility ... as passes::option_table() lists them, and --threads. Values are kept as text until
-/// resolve(), so that every mistake is reported the same way.
+/// --size --camera --visibility ... as passes::option_table() lists them, and --threads. Values are kept as
+/// text until resolve(), so that every mistake is reported the same way.
 class FrameArguments {
  public:
   /// names: the subset of option_table() a command takes; empty: all.

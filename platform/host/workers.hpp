@@ -1,4 +1,5 @@
-// Working memory for parallel_for_workers: one value a worker slot, made on first use, and rows of 64 doubles.
+// Working memory for parallel_for_workers: one value a worker slot, made on first use, and rows of 64
+// doubles.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +14,13 @@
 
 namespace aluminate::host {
 
-/// One T for each worker slot of the current thread count. A slot is only touched by the worker it belongs to while work
-/// runs; iterate after it has finished. Slots that never ran are skipped.
+/// One T for each worker slot of the current thread count. A slot is only touched by the worker it belongs to
+/// while work runs; iterate after it has finished. Slots that never ran are skipped.
 template <class T>
 class PerWorker {
  public:
-  explicit PerWorker(std::function<T()> make) : make_(std::move(make)), slots_(static_cast<std::size_t>(thread_count())) {}
+  explicit PerWorker(std::function<T()> make)
+      : make_(std::move(make)), slots_(static_cast<std::size_t>(thread_count())) {}
 
   T& operator[](int worker) {
     std::optional<T>& slot = slots_[static_cast<std::size_t>(worker)];

@@ -18,7 +18,8 @@ constexpr auto kLaneMasks = [] {
 void add_masked(std::uint32_t* plane, std::uint16_t lanes, std::uint32_t value) {
   for (int half = 0; half < 2; ++half) {
     const auto& mask = kLaneMasks[lanes >> 8 * half & 0xff];
-    for (std::size_t lane = 0; lane < 8; ++lane) plane[static_cast<std::size_t>(half) * 8 + lane] += value & mask[lane];
+    for (std::size_t lane = 0; lane < 8; ++lane)
+      plane[static_cast<std::size_t>(half) * 8 + lane] += value & mask[lane];
   }
 }
 
@@ -53,12 +54,15 @@ TileBill::TileBill(const DrawList& list) {
   for (const DrawState& draw : list.draws) {
     const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
     const PathInfo& path = program.path;
-    draws_.push_back({{path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc}, program.straight_line, draw.surface == Surface::Blended});
+    draws_.push_back({{path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc},
+                      program.straight_line,
+                      draw.surface == Surface::Blended});
   }
 }
 
 void TileBill::begin() {
-  for (Plane* plane : {&alu_words_, &alu_slots_, &fetches_, &fetch_cyc_, &overdraw_, &helpers_}) plane->fill(0);
+  for (Plane* plane : {&alu_words_, &alu_slots_, &fetches_, &fetch_cyc_, &overdraw_, &helpers_})
+    plane->fill(0);
 }
 
 void TileBill::billed(std::span<const raster::BilledStamp> stamps) {
@@ -68,7 +72,8 @@ void TileBill::billed(std::span<const raster::BilledStamp> stamps) {
     const std::size_t at = static_cast<std::size_t>(stamp.stamp) * 16;
     add_masked(&overdraw_[at], stamp.covered, 1);
     add_masked(&helpers_[at], static_cast<std::uint16_t>(shaded & ~stamp.covered), 1);
-    const auto covered = static_cast<std::uint64_t>(std::popcount(stamp.covered)), lanes = static_cast<std::uint64_t>(std::popcount(shaded));
+    const auto covered = static_cast<std::uint64_t>(std::popcount(stamp.covered)),
+               lanes = static_cast<std::uint64_t>(std::popcount(shaded));
     totals_.pixels += covered;
     totals_.quads += lanes / 4;
     totals_.helper_lanes += lanes - covered;
@@ -98,8 +103,10 @@ void TileBill::add_executed(int x, int y, const LaneCost& cost) {
 }
 
 void TileBill::store(const raster::TileView& tile, int image_width, CostPlanes& planes) const {
-  // One more row and column than the picture where its size is odd: helper lanes out there belong to their quad's pixel.
-  const int right = std::min(raster::kTilePx, (tile.width + 1) & ~1), bottom = std::min(raster::kTilePx, (tile.height + 1) & ~1);
+  // One more row and column than the picture where its size is odd: helper lanes out there belong to their
+  // quad's pixel.
+  const int right = std::min(raster::kTilePx, (tile.width + 1) & ~1),
+            bottom = std::min(raster::kTilePx, (tile.height + 1) & ~1);
   for (int y = 0; y < bottom; ++y)
     for (int x = 0; x < right; ++x) {
       const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));

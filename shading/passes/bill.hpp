@@ -1,5 +1,6 @@
-// The console's bill of one tile: what every billed quad costs, added up per pixel and per pass. In: billed stamps from the
-// rasterizer, in submission order. Out: planes of the frame and exact totals; sums over pixels equal the totals.
+// The console's bill of one tile: what every billed quad costs, added up per pixel and per pass. In: billed
+// stamps from the rasterizer, in submission order. Out: planes of the frame and exact totals; sums over
+// pixels equal the totals.
 #pragma once
 
 #include <array>
@@ -19,7 +20,8 @@ struct LaneCost {
   std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
 };
 
-/// What one lane of a program that branches on data paid: blocks times their executions. lane_blocks: [blocks][64].
+/// What one lane of a program that branches on data paid: blocks times their executions. lane_blocks:
+/// [blocks][64].
 LaneCost executed_cost(const PixelProgram& program, std::span<const std::uint32_t> lane_blocks, int lane);
 
 /// One worker's tile. begin(), feed as BillSink and through add_executed(), then store().
@@ -28,12 +30,13 @@ class TileBill : public raster::BillSink {
   explicit TileBill(const DrawList& list);
 
   void begin();
-  /// Straight-line programs: static cost for every covered and helper lane. Others: only the invocation counts; what they
-  /// cost depends on data and arrives through add_executed().
+  /// Straight-line programs: static cost for every covered and helper lane. Others: only the invocation
+  /// counts; what they cost depends on data and arrives through add_executed().
   void billed(std::span<const raster::BilledStamp> stamps) override;
   /// One executed lane of a program that branches on data. x, y: tile-relative pixel.
   void add_executed(int x, int y, const LaneCost& cost);
-  /// Adds the tile to the frame's planes. Lanes right of or below the picture go to the nearest pixel of their quad.
+  /// Adds the tile to the frame's planes. Lanes right of or below the picture go to the nearest pixel of
+  /// their quad.
   void store(const raster::TileView& tile, int image_width, CostPlanes& planes) const;
 
   /// Since construction.

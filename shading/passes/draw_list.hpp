@@ -1,5 +1,5 @@
-// A scene as the console would be given it: programs compiled, prepared and priced, constants on the grid, textures decoded,
-// draws in submission order (opaque, then alpha-tested, then blended from far to near).
+// A scene as the console would be given it: programs compiled, prepared and priced, constants on the grid,
+// textures decoded, draws in submission order (opaque, then alpha-tested, then blended from far to near).
 #pragma once
 
 #include <cstdint>
@@ -33,9 +33,9 @@ struct PixelProgram {
   vm::Program program;
   vm::Executable executable;
   cost::StaticCost cost;
-  PathInfo path;                     // cost of one run of one lane
+  PathInfo path;  // cost of one run of one lane
   std::vector<Varying> varyings;
-  std::vector<InputRow> inputs;      // one per Executable::inputs()
+  std::vector<InputRow> inputs;         // one per Executable::inputs()
   int color_row[4] = {-1, -1, -1, -1};  // output rows of COLOR0
   bool straight_line = true;
 };
@@ -47,9 +47,9 @@ struct DrawState {
   const scenes::Material* material = nullptr;
   int pixel_program = 0, vertex_program = 0;
   Surface surface = Surface::Opaque;
-  std::vector<double> constants;     // of the pixel program, on the grid
+  std::vector<double> constants;  // of the pixel program, on the grid
   std::vector<vm::SamplerBinding> samplers;
-  std::size_t first_vertex = 0;      // in the frame's vertex arrays
+  std::size_t first_vertex = 0;  // in the frame's vertex arrays
   std::size_t first_varying = 0;
 };
 
@@ -64,7 +64,7 @@ struct DrawList {
   std::vector<VertexProgram> vertex_programs;
   std::vector<cost::StaticCost> vertex_costs;
   std::vector<DrawState> draws;
-  std::vector<raster::Draw> raster_draws;   // parallel to draws
+  std::vector<raster::Draw> raster_draws;  // parallel to draws
   std::vector<std::uint32_t> indices;
   std::size_t vertex_count = 0, varying_count = 0;
   std::uint64_t sanitised_constants = 0;

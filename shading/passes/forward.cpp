@@ -1,9 +1,10 @@
-// The forward pipeline, from a scene to a frame: vertices, set-up, then tile by tile visibility, shading and the bill.
+// The forward pipeline, from a scene to a frame: vertices, set-up, then tile by tile visibility, shading and
+// the bill.
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "platform/host/log.hpp"
 #include "platform/host/parallel.hpp"
@@ -40,7 +41,12 @@ class PhaseClock {
 class TileWorker : public raster::QuadShader {
  public:
   TileWorker(const PreparedFrame& prepared, const raster::TileOptions& options, Frame& frame)
-      : list_(prepared.list), raster_frame_(prepared.raster_frame), tile_(prepared.raster_frame, options), shader_(prepared), bill_(prepared.list), frame_(frame) {}
+      : list_(prepared.list),
+        raster_frame_(prepared.raster_frame),
+        tile_(prepared.raster_frame, options),
+        shader_(prepared),
+        bill_(prepared.list),
+        frame_(frame) {}
 
   void run(int tile) {
     bill_.begin();
@@ -65,7 +71,8 @@ class TileWorker : public raster::QuadShader {
       lane_blocks = lane_blocks_.data();
     }
     const std::uint64_t wanted = batch.visible | (program.straight_line ? 0 : batch.billed);
-    const std::uint64_t kept = shader_.run({batch.draw, {quads.data(), count}, wanted, lane_blocks}) & batch.visible;
+    const std::uint64_t kept =
+        shader_.run({batch.draw, {quads.data(), count}, wanted, lane_blocks}) & batch.visible;
     if (lane_blocks) bill_executed(program, batch);
     for (std::uint64_t lanes = kept; lanes; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
@@ -87,7 +94,8 @@ class TileWorker : public raster::QuadShader {
       const std::uint32_t draw = visible_[first].draw;
       std::size_t count = 0;
       std::uint64_t covered = 0;
-      while (count < raster::kBatchQuads && first + count < visible_.size() && visible_[first + count].draw == draw) {
+      while (count < raster::kBatchQuads && first + count < visible_.size() &&
+             visible_[first + count].draw == draw) {
         const raster::VisibleQuad& quad = visible_[first + count];
         quads[count] = {quad.triangle, quad.x, quad.y};
         covered |= std::uint64_t{quad.lanes} << 4 * count;
@@ -105,11 +113,13 @@ class TileWorker : public raster::QuadShader {
 
   // Colour of one pixel into the frame: replaced, or blended over what is there, in linear light.
   void store(int x, int y, int lane, const DrawState& draw) {
-    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
+    const std::size_t at =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
     float* pixel = &frame_.linear[at * 4];
     if (draw.surface == Surface::Blended) {
       const double alpha = std::clamp(shader_.color(3, lane), 0.0, 1.0);
-      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(shader_.color(c, lane) * alpha + pixel[c] * (1.0 - alpha));
+      for (int c = 0; c < 3; ++c)
+        pixel[c] = static_cast<float>(shader_.color(c, lane) * alpha + pixel[c] * (1.0 - alpha));
     } else {
       for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(shader_.color(c, lane));
     }
@@ -118,7 +128,8 @@ class TileWorker : public raster::QuadShader {
     frame_.cost.path[at] = static_cast<std::uint32_t>(draw.pixel_program) + 1;
   }
 
-  // Executed cost of a batch whose program branches on data: blocks times executions, for every lane of a billed quad.
+  // Executed cost of a batch whose program branches on data: blocks times executions, for every lane of a
+  // billed quad.
   void bill_executed(const PixelProgram& program, const raster::QuadBatch& batch) {
     const raster::TileOrigin origin = tile_.view().origin;
     for (int lane = 0; lane < 4 * batch.count; ++lane) {
@@ -148,12 +159,14 @@ Frame blank_frame(const FrameOptions& options) {
   frame.covered.resize(pixels);
   frame.depth_d24.assign(pixels, raster::kDepthMax);
   CostPlanes& cost = frame.cost;
-  for (auto* plane : {&cost.alu_words, &cost.alu_slots, &cost.fetches, &cost.fetch_cyc, &cost.overdraw, &cost.helpers, &cost.path}) plane->resize(pixels);
+  for (auto* plane : {&cost.alu_words, &cost.alu_slots, &cost.fetches, &cost.fetch_cyc, &cost.overdraw,
+                      &cost.helpers, &cost.path})
+    plane->resize(pixels);
   return frame;
 }
 
-PassTotals forward_totals(const DrawList& list, const std::vector<vm::Counters>& vertex_counters, const TileBill::Totals& bill,
-                          const raster::SetupCounters& setup) {
+PassTotals forward_totals(const DrawList& list, const std::vector<vm::Counters>& vertex_counters,
+                          const TileBill::Totals& bill, const raster::SetupCounters& setup) {
   PassTotals pass;
   pass.name = "forward";
   pass.pixels = bill.pixels;
@@ -167,7 +180,8 @@ PassTotals forward_totals(const DrawList& list, const std::vector<vm::Counters>&
   pass.rop_blended = bill.blended_pixels;
   pass.triangles = setup.submitted;
   for (std::size_t i = 0; i < vertex_counters.size(); ++i) {
-    const std::uint64_t vertices = vertex_counters[i].blocks.empty() ? 0 : vertex_counters[i].blocks.front().covered_lanes;
+    const std::uint64_t vertices =
+        vertex_counters[i].blocks.empty() ? 0 : vertex_counters[i].blocks.front().covered_lanes;
     pass.vertices += vertices;
     pass.vertex_words += vertices * static_cast<std::uint64_t>(std::ceil(list.vertex_costs[i].alu_words));
     // Attributes as 32-bit floats, what the vertex program reads of them.
@@ -184,7 +198,9 @@ void add_saturations(const vm::Program& program, const vm::Counters& counters, b
     if (!checked) continue;
     const vm::SourceLine& line = program.code[i].line;
     const std::string file = line.file < program.files.size() ? program.files[line.file] : program.name;
-    frame.saturated_instructions.push_back({fmt::format("{}:{}:{}", file, line.line, line.column), vm::disassemble(program, program.code[i]), counters.saturations[i]});
+    frame.saturated_instructions.push_back({fmt::format("{}:{}:{}", file, line.line, line.column),
+                                            vm::disassemble(program, program.code[i]),
+                                            counters.saturations[i]});
   }
 }
 
@@ -211,7 +227,8 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
   const std::vector<vm::Counters>& vertex_counters = prepared.vertex_counters;
 
   clear_to_background(options.background, frame);
-  host::PerWorker<TileWorker> workers([&] { return TileWorker(prepared, tile_options(list.gpu, options), frame); });
+  host::PerWorker<TileWorker> workers(
+      [&] { return TileWorker(prepared, tile_options(list.gpu, options), frame); });
   const auto order = raster_frame.tile_order();
   host::Progress progress("tiles", static_cast<std::int64_t>(order.size()));
   host::parallel_for_workers(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int worker) {
@@ -227,25 +244,33 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
   workers.for_each([&](const TileWorker& worker) {
     bill += worker.bill().totals();
     tile_counters += worker.tile_counters();
-    for (std::size_t p = 0; p < pixel_counters.size(); ++p) pixel_counters[p] += worker.shader().counters()[p];
+    for (std::size_t p = 0; p < pixel_counters.size(); ++p)
+      pixel_counters[p] += worker.shader().counters()[p];
   });
   for (std::size_t p = 0; p < pixel_counters.size(); ++p) {
     vm::raise_loop_overrun(list.pixel_programs[p].program, pixel_counters[p]);
     add_saturations(list.pixel_programs[p].program, pixel_counters[p], options.checked, frame);
   }
-  for (std::size_t p = 0; p < vertex_counters.size(); ++p) add_saturations(list.vertex_programs[p].program, vertex_counters[p], options.checked, frame);
+  for (std::size_t p = 0; p < vertex_counters.size(); ++p)
+    add_saturations(list.vertex_programs[p].program, vertex_counters[p], options.checked, frame);
   frame.saturations += list.sanitised_constants;
 
   const raster::SetupCounters& setup = raster_frame.counters();
   frame.passes.push_back(forward_totals(list, vertex_counters, bill, setup));
-  frame.skipped = {{"frustum", setup.frustum}, {"facing", setup.facing}, {"small", setup.small}, {"tile_hiz", tile_counters.tile_hiz},
-                   {"block_hiz", tile_counters.block_hiz}, {"early_z", tile_counters.early_z},
-                   {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
-                   {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())}};
+  frame.skipped = {
+      {"frustum", setup.frustum},
+      {"facing", setup.facing},
+      {"small", setup.small},
+      {"tile_hiz", tile_counters.tile_hiz},
+      {"block_hiz", tile_counters.block_hiz},
+      {"early_z", tile_counters.early_z},
+      {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
+      {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())}};
   frame.dropped = {{"not a finite position", setup.dropped_nonfinite}};
   resolve(options, list, frame);
   clock.end("resolve");
-  frame.timing.frame_ms = {std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count()};
+  frame.timing.frame_ms = {
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count()};
   return frame;
 }
 

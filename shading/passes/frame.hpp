@@ -1,5 +1,5 @@
-// One rendered frame and its bill: what render_frame() gives back. Every field but `timing` is the same on every machine,
-// thread count and execution tier.
+// One rendered frame and its bill: what render_frame() gives back. Every field but `timing` is the same on
+// every machine, thread count and execution tier.
 #pragma once
 
 #include <array>
@@ -16,66 +16,69 @@ struct Scene;
 
 namespace aluminate::passes {
 
-/// What the console would have paid at each pixel, row-major from the top left. Helper lanes that fall outside the picture
-/// are charged to the nearest pixel of their quad, so that the sum over pixels equals the pass totals.
+/// What the console would have paid at each pixel, row-major from the top left. Helper lanes that fall
+/// outside the picture are charged to the nearest pixel of their quad, so that the sum over pixels equals the
+/// pass totals.
 struct CostPlanes {
-  std::vector<std::uint32_t> alu_words;   // words executed at this pixel, helper lanes included
-  std::vector<std::uint32_t> alu_slots;   // ps_3_0 slots, likewise
-  std::vector<std::uint32_t> fetches;     // texture instructions
-  std::vector<std::uint32_t> fetch_cyc;   // bilinear cycles
-  std::vector<std::uint32_t> overdraw;    // covered invocations of a pixel shader
-  std::vector<std::uint32_t> helpers;     // helper-lane invocations
-  std::vector<std::uint32_t> path;        // 1 + index into Frame::paths of the program seen here; 0: none
+  std::vector<std::uint32_t> alu_words;  // words executed at this pixel, helper lanes included
+  std::vector<std::uint32_t> alu_slots;  // ps_3_0 slots, likewise
+  std::vector<std::uint32_t> fetches;    // texture instructions
+  std::vector<std::uint32_t> fetch_cyc;  // bilinear cycles
+  std::vector<std::uint32_t> overdraw;   // covered invocations of a pixel shader
+  std::vector<std::uint32_t> helpers;    // helper-lane invocations
+  std::vector<std::uint32_t> path;       // 1 + index into Frame::paths of the program seen here; 0: none
 };
 
 /// Totals of one pass. Lane-weighted: alu_words is the sum over executed lanes, helper lanes included.
 struct PassTotals {
   std::string name;
-  std::uint64_t pixels = 0;        // covered invocations
-  std::uint64_t quads = 0;         // 2x2 quads shaded
+  std::uint64_t pixels = 0;  // covered invocations
+  std::uint64_t quads = 0;   // 2x2 quads shaded
   std::uint64_t helper_lanes = 0;
   std::uint64_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
   std::uint64_t vertices = 0, vertex_words = 0, triangles = 0;
   std::uint64_t rop_pixels = 0, rop_blended = 0;  // pixels written, of those read-modify-write
-  std::uint64_t bytes = 0;         // main-memory traffic: vertices, indices, texels fetched once, resolve
+  std::uint64_t bytes = 0;  // main-memory traffic: vertices, indices, texels fetched once, resolve
 };
 
 /// A pixel program that took part, with the costs a lane pays for one run of it.
 struct PathInfo {
-  std::string program;             // "forward_lit[base_color+normal] 4 lights"
+  std::string program;  // "forward_lit[base_color+normal] 4 lights"
   std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
 };
 
 struct Saturation {
-  std::string place;               // "forward_lit.hlsl:41:12"
+  std::string place;  // "forward_lit.hlsl:41:12"
   std::string instruction;
   std::uint64_t lanes = 0;
 };
 
-struct Timing {                    // milliseconds of wall time; the only part that varies
+struct Timing {  // milliseconds of wall time; the only part that varies
   std::map<std::string, double> phases_ms;
   std::vector<double> frame_ms;
 };
 
 struct Frame {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgba8;      // stored display values, 4 bytes a pixel, top left first
-  std::vector<float> linear;            // RGBA linear light before tone map and clamp, 4 floats a pixel
-  std::vector<std::uint32_t> depth_d24; // 0 near .. 2^24-1 far and background
-  std::vector<std::uint8_t> covered;    // 1 where geometry was drawn
+  std::vector<std::uint8_t> rgba8;       // stored display values, 4 bytes a pixel, top left first
+  std::vector<float> linear;             // RGBA linear light before tone map and clamp, 4 floats a pixel
+  std::vector<std::uint32_t> depth_d24;  // 0 near .. 2^24-1 far and background
+  std::vector<std::uint8_t> covered;     // 1 where geometry was drawn
   CostPlanes cost;
   std::vector<PassTotals> passes;
   std::vector<PathInfo> paths;
-  std::map<std::string, std::uint64_t> skipped;   // by skip name: work items left out
-  std::map<std::string, std::uint64_t> dropped;   // triangles that cannot be drawn, by reason
+  std::map<std::string, std::uint64_t> skipped;  // by skip name: work items left out
+  std::map<std::string, std::uint64_t> dropped;  // triangles that cannot be drawn, by reason
   std::uint64_t saturations = 0;
-  std::vector<Saturation> saturated_instructions; // --checked
+  std::vector<Saturation> saturated_instructions;  // --checked
   std::vector<std::string> warnings;
-  std::string lights;                   // the light set used, "rig:4"
+  std::string lights;  // the light set used, "rig:4"
   int light_count = 0;
   Timing timing;
 
-  std::size_t pixel_count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  std::size_t pixel_count() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
 };
 
 /// Renders `scene`. Throws UserError for options that do not fit the scene or the shader.

@@ -29,7 +29,8 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     y_ = y - tile_.view().origin.y;
     tile_.draw_opaque(this);
     const auto element = static_cast<std::size_t>(raster::TileView::element(x_, y_));
-    if (const raster::TriangleId id = tile_.view().visibility[element]; id != raster::kNoTriangle) trace_visible(id);
+    if (const raster::TriangleId id = tile_.view().visibility[element]; id != raster::kNoTriangle)
+      trace_visible(id);
     tile_.draw_in_order(*this, this);
     report_.depth_d24 = tile_.view().depth[element];
   }
@@ -39,9 +40,10 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       if (stamp.stamp != raster::stamp_of(x_, y_)) continue;
       const int lane = raster::lane_of(x_, y_);
       if ((raster::shaded_lanes(stamp.covered) >> lane & 1) == 0) continue;
-      if (!program_of(stamp.draw).straight_line) continue;   // billed as executed, see shade()
+      if (!program_of(stamp.draw).straight_line) continue;  // billed as executed, see shade()
       const PathInfo& path = program_of(stamp.draw).path;
-      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "hidden" : "helper lane", {path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc});
+      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "hidden" : "helper lane",
+                {path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc});
     }
   }
 
@@ -51,8 +53,8 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
     const int lane_in_quad = (py & 1) * 2 + (px & 1);
     const PixelProgram& program = program_of(batch.draw);
-    std::vector<int> here;   // lanes of this batch at the pixel
-    int mine = -1;           // the one that is visible
+    std::vector<int> here;  // lanes of this batch at the pixel
+    int mine = -1;          // the one that is visible
     for (std::size_t q = 0; q < count; ++q) {
       quads[q] = {batch.triangle[q], batch.x[q], batch.y[q]};
       if (batch.x[q] != (px & ~1) || batch.y[q] != (py & ~1)) continue;
@@ -66,14 +68,17 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       job.lane_blocks = lane_blocks.data();
       shader_.run(job);
       for (const int lane : here)
-        if (batch.billed >> (lane & ~3) & 0xf) add_visit(batch.draw, (batch.billed >> lane & 1) ? "hidden" : "helper lane", executed_cost(program, lane_blocks, lane));
+        if (batch.billed >> (lane & ~3) & 0xf)
+          add_visit(batch.draw, (batch.billed >> lane & 1) ? "hidden" : "helper lane",
+                    executed_cost(program, lane_blocks, lane));
       job.covered = batch.visible;
       job.lane_blocks = nullptr;
     }
     if (mine < 0) return shader_.run(job);
     const bool kept = trace(job, mine);
     const bool blended = prepared_.list.draws[batch.draw].surface == Surface::Blended;
-    if (!report_.visits.empty() && report_.visits.back().draw == batch.draw) report_.visits.back().outcome = !kept ? "discarded" : blended ? "blended" : "drawn";
+    if (!report_.visits.empty() && report_.visits.back().draw == batch.draw)
+      report_.visits.back().outcome = !kept ? "discarded" : blended ? "blended" : "drawn";
     if (kept) compose(mine, blended);
     return survivors_;
   }
@@ -84,7 +89,8 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
   }
 
   void add_visit(std::uint32_t draw, const char* outcome, const LaneCost& cost) {
-    report_.visits.push_back({draw, prepared_.list.draws[draw].mesh->name, program_of(draw).path.program, outcome, cost.alu_words, cost.alu_slots, cost.fetches, cost.fetch_cyc});
+    report_.visits.push_back({draw, prepared_.list.draws[draw].mesh->name, program_of(draw).path.program,
+                              outcome, cost.alu_words, cost.alu_slots, cost.fetches, cost.fetch_cyc});
     report_.alu_words += cost.alu_words;
     report_.alu_slots += cost.alu_slots;
     report_.fetches += cost.fetches;
@@ -118,30 +124,37 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     report_.trace.clear();
     for (const vm::TraceEntry& entry : recorded.entries) {
       const vm::Instruction& instruction = program.program.code[entry.instruction];
-      const std::string file = instruction.line.file < program.program.files.size() ? program.program.files[instruction.line.file] : "";
-      report_.trace.push_back({vm::disassemble(program.program, instruction), SourcePlace{file, static_cast<int>(instruction.line.line), instruction.line.column}.text(),
-                               entry.result, entry.mask, entry.saturated != 0});
+      const std::string file = instruction.line.file < program.program.files.size()
+                                   ? program.program.files[instruction.line.file]
+                                   : "";
+      report_.trace.push_back(
+          {vm::disassemble(program.program, instruction),
+           SourcePlace{file, static_cast<int>(instruction.line.line), instruction.line.column}.text(),
+           entry.result, entry.mask, entry.saturated != 0});
     }
     return survivors_ >> lane & 1;
   }
 
   void compose(int lane, bool blended) {
     const double alpha = blended ? std::clamp(shader_.color(3, lane), 0.0, 1.0) : 1.0;
-    for (std::size_t c = 0; c < 3; ++c) report_.linear[c] = shader_.color(static_cast<int>(c), lane) * alpha + report_.linear[c] * (1.0 - alpha);
+    for (std::size_t c = 0; c < 3; ++c)
+      report_.linear[c] =
+          shader_.color(static_cast<int>(c), lane) * alpha + report_.linear[c] * (1.0 - alpha);
   }
 
   const PreparedFrame& prepared_;
   raster::TileRasterizer tile_;
   Shader shader_;
   PixelReport& report_;
-  int x_ = 0, y_ = 0;   // tile-relative
+  int x_ = 0, y_ = 0;  // tile-relative
   std::uint64_t survivors_ = 0;
 };
 
 std::string value_text(const TracedInstruction& row) {
   std::string text;
   for (std::size_t c = 0; c < 4; ++c)
-    if (row.mask >> c & 1) text += fmt::format("{}{}={:.9g}", text.empty() ? "" : " ", "xyzw"[c], row.value[c]);
+    if (row.mask >> c & 1)
+      text += fmt::format("{}{}={:.9g}", text.empty() ? "" : " ", "xyzw"[c], row.value[c]);
   return text + (row.saturated ? "  SATURATED" : "");
 }
 
@@ -149,7 +162,9 @@ std::string value_text(const TracedInstruction& row) {
 
 PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& options, int x, int y) {
   if (x < 0 || y < 0 || x >= options.width || y >= options.height)
-    throw UserError(fmt::format("pixel ({}, {}) lies outside the {}x{} picture", x, y, options.width, options.height), "pixels count from 0,0 at the top left");
+    throw UserError(
+        fmt::format("pixel ({}, {}) lies outside the {}x{} picture", x, y, options.width, options.height),
+        "pixels count from 0,0 at the top left");
   PixelReport report;
   report.x = x;
   report.y = y;
@@ -158,23 +173,39 @@ PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& option
   shade_all_vertices(prepared);
   set_up_triangles(prepared, options);
   const raster::Viewport& viewport = prepared.raster_frame.viewport();
-  Microscope(prepared, tile_options(prepared.list.gpu, options), report).look(y / raster::kTilePx * viewport.tiles_x() + x / raster::kTilePx, x, y);
+  Microscope(prepared, tile_options(prepared.list.gpu, options), report)
+      .look(y / raster::kTilePx * viewport.tiles_x() + x / raster::kTilePx, x, y);
   return report;
 }
 
 std::string pixel_text(const PixelReport& report) {
   using host::Align;
-  std::string text = fmt::format("pixel ({}, {})  linear {:.6g} {:.6g} {:.6g}  depth {} of 16777215\n\n", report.x, report.y, report.linear[0], report.linear[1], report.linear[2], report.depth_d24);
+  std::string text =
+      fmt::format("pixel ({}, {})  linear {:.6g} {:.6g} {:.6g}  depth {} of 16777215\n\n", report.x, report.y,
+                  report.linear[0], report.linear[1], report.linear[2], report.depth_d24);
   if (report.visits.empty()) return text + "no draw was billed here\n";
-  host::TextTable visits({{"draw", Align::Right}, {"mesh"}, {"program"}, {"outcome"}, {"ALU words", Align::Right}, {"slots", Align::Right}, {"fetches", Align::Right}, {"fetch cyc", Align::Right}});
+  host::TextTable visits({{"draw", Align::Right},
+                          {"mesh"},
+                          {"program"},
+                          {"outcome"},
+                          {"ALU words", Align::Right},
+                          {"slots", Align::Right},
+                          {"fetches", Align::Right},
+                          {"fetch cyc", Align::Right}});
   for (const PixelVisit& visit : report.visits)
-    visits.add_row({fmt::format("{}", visit.draw), visit.mesh, visit.program, visit.outcome, fmt::format("{}", visit.alu_words), fmt::format("{}", visit.alu_slots), fmt::format("{}", visit.fetches), fmt::format("{}", visit.fetch_cyc)});
+    visits.add_row({fmt::format("{}", visit.draw), visit.mesh, visit.program, visit.outcome,
+                    fmt::format("{}", visit.alu_words), fmt::format("{}", visit.alu_slots),
+                    fmt::format("{}", visit.fetches), fmt::format("{}", visit.fetch_cyc)});
   visits.add_rule();
-  visits.add_row({"", "total", "", "", fmt::format("{}", report.alu_words), fmt::format("{}", report.alu_slots), fmt::format("{}", report.fetches), fmt::format("{}", report.fetch_cyc)});
+  visits.add_row({"", "total", "", "", fmt::format("{}", report.alu_words),
+                  fmt::format("{}", report.alu_slots), fmt::format("{}", report.fetches),
+                  fmt::format("{}", report.fetch_cyc)});
   text += visits.text();
   if (report.trace.empty()) return text;
   host::TextTable trace({{"#", Align::Right}, {"instruction"}, {"value"}, {"source"}});
-  for (std::size_t i = 0; i < report.trace.size(); ++i) trace.add_row({fmt::format("{}", i), report.trace[i].text, value_text(report.trace[i]), report.trace[i].place});
+  for (std::size_t i = 0; i < report.trace.size(); ++i)
+    trace.add_row(
+        {fmt::format("{}", i), report.trace[i].text, value_text(report.trace[i]), report.trace[i].place});
   return text + fmt::format("\n{}\n", report.traced_program) + trace.text();
 }
 

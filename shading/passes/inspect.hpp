@@ -1,4 +1,5 @@
-// One pixel under the microscope: every draw that touched it, what became of it, and each instruction with its value.
+// One pixel under the microscope: every draw that touched it, what became of it, and each instruction with
+// its value.
 #pragma once
 
 #include <array>
@@ -12,9 +13,9 @@ namespace aluminate::passes {
 
 /// One instruction as the pixel's lane executed it.
 struct TracedInstruction {
-  std::string text, place;         // "mad r3.xyz, ...", "material.hlsl:81:5"
+  std::string text, place;  // "mad r3.xyz, ...", "material.hlsl:81:5"
   std::array<double, 4> value{};
-  std::uint8_t mask = 0;           // components written
+  std::uint8_t mask = 0;  // components written
   bool saturated = false;
 };
 
@@ -22,7 +23,7 @@ struct TracedInstruction {
 struct PixelVisit {
   std::uint32_t draw = 0;
   std::string mesh, program;
-  std::string outcome;             // "drawn", "hidden", "discarded", "blended", "helper lane"
+  std::string outcome;  // "drawn", "hidden", "discarded", "blended", "helper lane"
   std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
 };
 
@@ -30,10 +31,11 @@ struct PixelReport {
   int x = 0, y = 0;
   std::array<double, 3> linear{};  // after the last draw
   std::uint32_t depth_d24 = 0;
-  std::vector<PixelVisit> visits;  // submission order
+  std::vector<PixelVisit> visits;        // submission order
   std::vector<TracedInstruction> trace;  // of the last draw that was executed here
   std::string traced_program;
-  std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;  // sums over visits = the cost layers at this pixel
+  std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0,
+                fetch_cyc = 0;  // sums over visits = the cost layers at this pixel
 };
 
 /// Throws UserError when (x, y) lies outside the picture.

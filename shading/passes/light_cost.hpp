@@ -1,5 +1,5 @@
-// What one more light costs before anything runs, under each convention people quote. The shipped shader on a plain
-// surface (no maps), compiled for this purpose: the term under test is the same on every surface.
+// What one more light costs before anything runs, under each convention people quote. The shipped shader on a
+// plain surface (no maps), compiled for this purpose: the term under test is the same on every surface.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,8 @@
 namespace aluminate::passes {
 
 struct LightCosts {
-  std::vector<cost::LightCost> rows;  // "rolled loop, ps_3_0 slots, nothing hoisted", then "unrolled, hoisted"; empty with a user's shader
+  std::vector<cost::LightCost> rows;  // "rolled loop, ps_3_0 slots, nothing hoisted", then "unrolled,
+                                      // hoisted"; empty with a user's shader
 };
 
 LightCosts light_costs(const FrameOptions& options, const console::GpuModel& gpu);

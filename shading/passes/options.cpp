@@ -26,7 +26,8 @@ constexpr Choice<LightLoop> kLightLoops[] = {
 constexpr Choice<bool> kSwitches[] = {{"true", true}, {"false", false}};
 constexpr Choice<VmTier> kVmTiers[] = {{"auto", VmTier::Auto}, {"interpreter", VmTier::Interpreter}};
 
-[[noreturn]] void refuse(std::string_view key, std::string_view value, std::string_view expected, std::string hint = {}) {
+[[noreturn]] void refuse(std::string_view key, std::string_view value, std::string_view expected,
+                         std::string hint = {}) {
   throw UserError(fmt::format("--{}: expected {}, got '{}'", key, expected, value), std::move(hint));
 }
 
@@ -70,8 +71,11 @@ void set_size(FrameOptions& options, std::string_view value) {
   const auto parts = split(value, 'x');
   const auto width = parts.size() == 2 ? parse_number(parts[0]) : std::nullopt;
   const auto height = parts.size() == 2 ? parse_number(parts[1]) : std::nullopt;
-  const auto whole = [](std::optional<double> v) { return v && *v == std::floor(*v) && *v >= 1 && *v <= 16384; };
-  if (!whole(width) || !whole(height)) refuse("size", value, "WIDTHxHEIGHT, each from 1 to 16384", "for example 1280x720");
+  const auto whole = [](std::optional<double> v) {
+    return v && *v == std::floor(*v) && *v >= 1 && *v <= 16384;
+  };
+  if (!whole(width) || !whole(height))
+    refuse("size", value, "WIDTHxHEIGHT, each from 1 to 16384", "for example 1280x720");
   options.width = static_cast<int>(*width);
   options.height = static_cast<int>(*height);
 }
@@ -82,7 +86,8 @@ void set_ambient(FrameOptions& options, std::string_view value) {
     return;
   }
   const auto number = value.starts_with("flat:") ? parse_number(value.substr(5)) : std::nullopt;
-  if (!number || *number < 0 || *number > 1000) refuse("ambient", value, "none or flat:VALUE with VALUE from 0 to 1000", "for example flat:0.03");
+  if (!number || *number < 0 || *number > 1000)
+    refuse("ambient", value, "none or flat:VALUE with VALUE from 0 to 1000", "for example flat:0.03");
   options.ambient = AmbientKind::Flat;
   options.ambient_value = *number;
 }
@@ -90,9 +95,11 @@ void set_ambient(FrameOptions& options, std::string_view value) {
 void set_lights(FrameOptions& options, std::string_view value) {
   if (value.starts_with("rig:")) {
     const auto count = parse_number(value.substr(4));
-    if (!count || *count != std::floor(*count) || *count < 1 || *count > 64) refuse("lights", value, "rig:N with N from 1 to 64", "for example rig:4");
+    if (!count || *count != std::floor(*count) || *count < 1 || *count > 64)
+      refuse("lights", value, "rig:N with N from 1 to 64", "for example rig:4");
   } else if (value != "scene" && value != "none") {
-    refuse("lights", value, "rig:N, scene or none", did_you_mean(value, std::vector<std::string>{"rig:4", "scene", "none"}));
+    refuse("lights", value, "rig:N, scene or none",
+           did_you_mean(value, std::vector<std::string>{"rig:4", "scene", "none"}));
   }
   options.lights = value;
 }
@@ -101,7 +108,8 @@ void set_background(FrameOptions& options, std::string_view value) {
   const auto parts = split(value, ',');
   for (std::size_t i = 0; i < 3; ++i) {
     const auto channel = parts.size() == 3 ? parse_number(parts[i]) : std::nullopt;
-    if (!channel || *channel < 0 || *channel > 1) refuse("background", value, "R,G,B, each from 0 to 1", "for example 0.05,0.06,0.08");
+    if (!channel || *channel < 0 || *channel > 1)
+      refuse("background", value, "R,G,B, each from 0 to 1", "for example 0.05,0.06,0.08");
     options.background[static_cast<int>(i)] = *channel;
   }
 }
@@ -123,7 +131,9 @@ void set_define(FrameOptions& options, std::string_view value) {
   const auto equals = value.find('=');
   const std::string_view name = value.substr(0, equals);
   const bool identifier = !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
-                          std::all_of(name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; });
+                          std::all_of(name.begin(), name.end(), [](char c) {
+                            return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+                          });
   if (!identifier) refuse("D", value, "NAME or NAME=VALUE", "for example -D LIGHT_COUNT=2");
   options.defines.emplace_back(name, equals == std::string_view::npos ? "1" : value.substr(equals + 1));
 }
@@ -167,16 +177,21 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
     options.pipeline = choose(key, value, kPipelines);
   } else if (key == "visibility") {
     const auto parsed = brdf::parse_visibility(value);
-    if (!parsed) refuse(key, value, "none, schlick-smith, integrated or cheap", did_you_mean(value, std::vector<std::string>{"none", "schlick-smith", "integrated", "cheap"}));
+    if (!parsed)
+      refuse(key, value, "none, schlick-smith, integrated or cheap",
+             did_you_mean(value, std::vector<std::string>{"none", "schlick-smith", "integrated", "cheap"}));
     options.visibility = *parsed;
   } else if (key == "fresnel") {
     const auto parsed = brdf::parse_fresnel(value);
-    if (!parsed) refuse(key, value, "schlick, sg or sg-lagarde", did_you_mean(value, std::vector<std::string>{"schlick", "sg", "sg-lagarde"}));
+    if (!parsed)
+      refuse(key, value, "schlick, sg or sg-lagarde",
+             did_you_mean(value, std::vector<std::string>{"schlick", "sg", "sg-lagarde"}));
     options.fresnel = *parsed;
   } else if (key == "tonemap") {
     options.tonemap = choose(key, value, kTonemaps);
   } else if (key == "number") {
-    if (!number::parse_number_format(value)) refuse(key, value, "a number format: fx31, fx24, q16.16, q12.20, q8.24, ref64, ...");
+    if (!number::parse_number_format(value))
+      refuse(key, value, "a number format: fx31, fx24, q16.16, q12.20, q8.24, ref64, ...");
     options.number = value;
   } else if (key == "platform") {
     options.platform = value;
@@ -209,7 +224,8 @@ void set_options(FrameOptions& options, std::string_view assignments) {
     } else if (!pairs.empty()) {
       pairs.back().second.append(",").append(piece);
     } else if (!piece.empty()) {
-      throw UserError(fmt::format("expected key=value, got '{}'", piece), "for example visibility=cheap,fresnel=sg");
+      throw UserError(fmt::format("expected key=value, got '{}'", piece),
+                      "for example visibility=cheap,fresnel=sg");
     }
   }
   for (const auto& [key, value] : pairs) set_option(options, key, value);

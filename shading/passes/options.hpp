@@ -1,5 +1,5 @@
-// Everything a user may choose about a frame, as values. set_option() is the only place that knows option names: the
-// command line, `compare --a k=v` and checks all go through it.
+// Everything a user may choose about a frame, as values. set_option() is the only place that knows option
+// names: the command line, `compare --a k=v` and checks all go through it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -21,8 +21,8 @@ enum class AmbientKind { None, Flat };
 enum class LightLoop { Auto, Rolled, Unrolled };  // Auto: unrolled up to kUnrolledLights lights
 enum class VmTier { Auto, Interpreter };
 
-/// Loops of up to this many lights are unrolled by default, as console-era engines did; beyond, 512 ps_3_0 slots
-/// would not hold the shader.
+/// Loops of up to this many lights are unrolled by default, as console-era engines did; beyond, 512 ps_3_0
+/// slots would not hold the shader.
 inline constexpr int kUnrolledLights = 8;
 
 /// Names of the skips that `--no-skip` turns off (design: what a scene does not need is skipped and counted).
@@ -33,7 +33,7 @@ inline constexpr std::string_view kSkipNames[] = {"frustum",   "facing",  "small
 struct FrameOptions {
   int width = 1280, height = 720;
   std::string camera = "auto";
-  std::string lights;                       // empty: "scene" when the file has lights, else "rig:4"
+  std::string lights;  // empty: "scene" when the file has lights, else "rig:4"
   AmbientKind ambient = AmbientKind::Flat;
   double ambient_value = 0.03;
   glm::dvec3 background{0.05, 0.06, 0.08};  // stored display values
@@ -43,12 +43,12 @@ struct FrameOptions {
   Tonemap tonemap = Tonemap::None;
   std::string number = "fx31";
   std::string platform = "xenos";
-  std::string shader;                       // user's pixel shader; empty: forward_lit.hlsl
+  std::string shader;  // user's pixel shader; empty: forward_lit.hlsl
   std::vector<std::pair<std::string, std::string>> defines;
   LightLoop light_loop = LightLoop::Auto;
   VmTier vm = VmTier::Auto;
   std::set<std::string, std::less<>> no_skip;
-  bool checked = false;                     // name every instruction that saturated
+  bool checked = false;  // name every instruction that saturated
 };
 
 struct OptionInfo {
@@ -58,7 +58,8 @@ struct OptionInfo {
 /// The options set_option() knows, in the order they are documented.
 const std::vector<OptionInfo>& option_table();
 
-/// Sets one option from text. Throws UserError naming the option, what was expected, and the nearest known name.
+/// Sets one option from text. Throws UserError naming the option, what was expected, and the nearest known
+/// name.
 void set_option(FrameOptions& options, std::string_view key, std::string_view value);
 
 /// "visibility=cheap,fresnel=sg" applied in order.

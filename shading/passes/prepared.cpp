@@ -14,16 +14,19 @@ raster::SkipSet skip_set(const FrameOptions& options) {
 
 void shade_all_vertices(PreparedFrame& prepared) {
   const DrawList& list = prepared.list;
-  for (std::vector<double>* component : {&prepared.x, &prepared.y, &prepared.z, &prepared.w}) component->resize(list.vertex_count);
+  for (std::vector<double>* component : {&prepared.x, &prepared.y, &prepared.z, &prepared.w})
+    component->resize(list.vertex_count);
   prepared.varyings.resize(list.varying_count);
-  for (const VertexProgram& program : list.vertex_programs) prepared.vertex_counters.emplace_back(program.executable);
+  for (const VertexProgram& program : list.vertex_programs)
+    prepared.vertex_counters.emplace_back(program.executable);
   for (const DrawState& draw : list.draws) {
     const auto program = static_cast<std::size_t>(draw.vertex_program);
     const std::size_t v = draw.first_vertex;
-    const VertexTarget target{prepared.x.data() + v, prepared.y.data() + v, prepared.z.data() + v, prepared.w.data() + v,
-                              prepared.varyings.data() + draw.first_varying};
+    const VertexTarget target{prepared.x.data() + v, prepared.y.data() + v, prepared.z.data() + v,
+                              prepared.w.data() + v, prepared.varyings.data() + draw.first_varying};
     shade_vertices(list.vertex_programs[program], *draw.mesh, list.space,
-                   list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)].varyings, target, prepared.vertex_counters[program]);
+                   list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)].varyings, target,
+                   prepared.vertex_counters[program]);
   }
 }
 
@@ -37,9 +40,11 @@ void set_up_triangles(PreparedFrame& prepared, const FrameOptions& options) {
 }
 
 raster::TileOptions tile_options(const console::GpuModel& gpu, const FrameOptions& options) {
-  // Xenos has hierarchical Z of 4x4 pixels and no early test per sample [XEN-X] [B3D-5]; the others test before shading.
+  // Xenos has hierarchical Z of 4x4 pixels and no early test per sample [XEN-X] [B3D-5]; the others test
+  // before shading.
   const bool hierarchical = gpu.alu_model == console::AluModel::Vec4PlusScalar;
-  return {.bill = {hierarchical ? raster::BillRule::Kind::Hierarchical : raster::BillRule::Kind::PerPixel, 4}, .skips = skip_set(options)};
+  return {.bill = {hierarchical ? raster::BillRule::Kind::Hierarchical : raster::BillRule::Kind::PerPixel, 4},
+          .skips = skip_set(options)};
 }
 
 }  // namespace aluminate::passes

@@ -1,5 +1,5 @@
-// A scene up to the tiles: draws, shaded vertices, triangles set up and binned. Shared by the frame and by the inspection
-// of a single pixel.
+// A scene up to the tiles: draws, shaded vertices, triangles set up and binned. Shared by the frame and by
+// the inspection of a single pixel.
 #pragma once
 
 #include <vector>
@@ -12,10 +12,10 @@ namespace aluminate::passes {
 
 struct PreparedFrame {
   DrawList list;
-  std::vector<double> x, y, z, w;       // clip space, all draws
+  std::vector<double> x, y, z, w;  // clip space, all draws
   std::vector<double> varyings;
   std::vector<vm::Counters> vertex_counters;  // by vertex program
-  raster::Frame raster_frame;           // refers to the arrays above: neither may move once it is set up
+  raster::Frame raster_frame;  // refers to the arrays above: neither may move once it is set up
 
   PreparedFrame() = default;
   PreparedFrame(const PreparedFrame&) = delete;

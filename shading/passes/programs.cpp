@@ -76,10 +76,12 @@ SurfaceFeatures features_of(const scenes::Material& material, const scenes::Mesh
 }
 
 bool rolls_lights(const FrameOptions& options, int light_count) {
-  return options.light_loop == LightLoop::Rolled || (options.light_loop == LightLoop::Auto && light_count > kUnrolledLights);
+  return options.light_loop == LightLoop::Rolled ||
+         (options.light_loop == LightLoop::Auto && light_count > kUnrolledLights);
 }
 
-vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& features, const LightSetup& lights, bool rolled) {
+vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& features,
+                          const LightSetup& lights, bool rolled) {
   compiler::Options c = options.shader.empty() ? programs::shipped("forward_lit.hlsl") : compiler::Options{};
   if (!options.shader.empty()) {
     c.source_path = options.shader;
@@ -93,12 +95,14 @@ vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& fe
   c.defines.emplace_back("UNROLL", rolled ? "0" : "1");
   if (lights.punctual) c.defines.emplace_back("PUNCTUAL_LIGHTS", "1");
   for (const auto& define : options.defines) {
-    std::erase_if(c.defines, [&](const auto& own) { return own.first == define.first; });  // the user's value wins
+    std::erase_if(c.defines,
+                  [&](const auto& own) { return own.first == define.first; });  // the user's value wins
     c.defines.push_back(define);
   }
   c.loops = rolled ? compiler::LoopMode::Rolled : compiler::LoopMode::AsWritten;
   vm::Program program = compiler::compile(c);
-  program.name = fmt::format("{} [{}] {} light{}", program.name, features.label(), lights.count, lights.count == 1 ? "" : "s");
+  program.name = fmt::format("{} [{}] {} light{}", program.name, features.label(), lights.count,
+                             lights.count == 1 ? "" : "s");
   return program;
 }
 

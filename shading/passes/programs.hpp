@@ -1,5 +1,6 @@
-// Shader permutations: which macros a material asks for, and the compiled, prepared and priced programs behind them.
-// A map, a colour or a face flag that a surface lacks is compiled out, so absent features are never paid for.
+// Shader permutations: which macros a material asks for, and the compiled, prepared and priced programs
+// behind them. A map, a colour or a face flag that a surface lacks is compiled out, so absent features are
+// never paid for.
 #pragma once
 
 #include <string>
@@ -14,11 +15,19 @@
 namespace aluminate::passes {
 
 /// The texture slots of the shipped shaders, in the order of `uv_transform` in material.hlsl.
-enum MapSlot { kBaseColorMap, kMetallicRoughnessMap, kSpecularGlossinessMap, kNormalMap, kOcclusionMap, kEmissiveMap, kMapCount };
+enum MapSlot {
+  kBaseColorMap,
+  kMetallicRoughnessMap,
+  kSpecularGlossinessMap,
+  kNormalMap,
+  kOcclusionMap,
+  kEmissiveMap,
+  kMapCount
+};
 
 struct MapInfo {
-  std::string_view sampler;   // name in the shader
-  std::string_view define;    // "BASE_COLOR": HAS_BASE_COLOR_MAP, BASE_COLOR_UV_SET
+  std::string_view sampler;  // name in the shader
+  std::string_view define;   // "BASE_COLOR": HAS_BASE_COLOR_MAP, BASE_COLOR_UV_SET
   bool srgb;
   scenes::TextureSlot scenes::Material::*slot;
 };
@@ -34,21 +43,23 @@ struct SurfaceFeatures {
   bool specular_glossiness = false, alpha_mask = false, normal_scale = false;
 
   bool has_uv() const;
-  std::string label() const;       // "base_color+normal, double sided"
+  std::string label() const;  // "base_color+normal, double sided"
   Defines defines() const;
 };
 
-/// permute = false keeps every map's code whether present or not (`--no-skip permutations`): absent maps then read white.
+/// permute = false keeps every map's code whether present or not (`--no-skip permutations`): absent maps then
+/// read white.
 SurfaceFeatures features_of(const scenes::Material& material, const scenes::Mesh& mesh, bool permute);
 
 struct LightSetup {
   int count = 0;
-  bool punctual = false;           // lights of the file: inverse square, range, cone
+  bool punctual = false;  // lights of the file: inverse square, range, cone
 };
 
 /// The pixel shader of a surface: forward_lit.hlsl, or the user's file with the same macros.
 /// rolled: keep the light loop a loop.
-vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& features, const LightSetup& lights, bool rolled);
+vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& features,
+                          const LightSetup& lights, bool rolled);
 vm::Program compile_vertex(const SurfaceFeatures& features);
 vm::Program compile_tonemap(Tonemap tonemap);
 vm::Program compile_eval_brdf(brdf::Visibility visibility, brdf::Fresnel fresnel);

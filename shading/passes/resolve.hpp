@@ -11,7 +11,8 @@ namespace aluminate::passes {
 /// Fills `linear` with the background's linear value, so that blending over it is right.
 void clear_to_background(const glm::dvec3& stored, Frame& frame);
 
-/// Fills rgba8. With a tone map, adds the pass "resolve" to the bill; without, the render target's clamp does it for free.
+/// Fills rgba8. With a tone map, adds the pass "resolve" to the bill; without, the render target's clamp does
+/// it for free.
 void resolve(const FrameOptions& options, const DrawList& list, Frame& frame);
 
 }  // namespace aluminate::passes

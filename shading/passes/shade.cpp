@@ -17,7 +17,8 @@ Shader::Shader(const PreparedFrame& prepared)
   outputs_ = host::AlignedRows(outputs);
 }
 
-void Shader::fill_inputs(const PixelProgram& program, const DrawState& draw, std::span<const raster::QuadPosition> quads) {
+void Shader::fill_inputs(const PixelProgram& program, const DrawState& draw,
+                         std::span<const raster::QuadPosition> quads) {
   raster::interpolate_barycentrics(frame_, quads, barycentrics_, triangles_);
   const std::size_t stride = program.varyings.size();
   std::array<double, raster::kBatchQuads> a0{}, d1{}, d2{};
@@ -36,10 +37,12 @@ void Shader::fill_inputs(const PixelProgram& program, const DrawState& draw, std
           d1[q] = corners[q][1][input.varying] - base;
           d2[q] = corners[q][2][input.varying] - base;
         }
-        raster::interpolate_attribute(barycentrics_, a0, d1, d2, std::span<double, raster::kBatchLanes>(out, raster::kBatchLanes));
+        raster::interpolate_attribute(barycentrics_, a0, d1, d2,
+                                      std::span<double, raster::kBatchLanes>(out, raster::kBatchLanes));
         break;
       case InputRow::Kind::Face:
-        for (std::size_t q = 0; q < quads.size(); ++q) std::fill_n(out + 4 * q, 4, triangles_[q].front_facing ? 1.0 : -1.0);
+        for (std::size_t q = 0; q < quads.size(); ++q)
+          std::fill_n(out + 4 * q, 4, triangles_[q].front_facing ? 1.0 : -1.0);
         break;
       case InputRow::Kind::PixelX:
         for (std::size_t q = 0; q < quads.size(); ++q)
@@ -49,8 +52,12 @@ void Shader::fill_inputs(const PixelProgram& program, const DrawState& draw, std
         for (std::size_t q = 0; q < quads.size(); ++q)
           for (std::size_t l = 0; l < 4; ++l) out[4 * q + l] = quads[q].y + static_cast<double>(l >> 1) + 0.5;
         break;
-      case InputRow::Kind::Zero: std::fill_n(out, raster::kBatchLanes, 0.0); break;
-      case InputRow::Kind::One: std::fill_n(out, raster::kBatchLanes, 1.0); break;
+      case InputRow::Kind::Zero:
+        std::fill_n(out, raster::kBatchLanes, 0.0);
+        break;
+      case InputRow::Kind::One:
+        std::fill_n(out, raster::kBatchLanes, 1.0);
+        break;
     }
   }
 }
@@ -63,7 +70,8 @@ vm::Batch Shader::make_batch(const ShadingJob& job) {
   batch.outputs = outputs_.data();
   batch.constants = draw.constants.data();
   batch.samplers = draw.samplers;
-  batch.active = job.quads.size() == raster::kBatchQuads ? ~std::uint64_t{0} : (std::uint64_t{1} << 4 * job.quads.size()) - 1;
+  batch.active = job.quads.size() == raster::kBatchQuads ? ~std::uint64_t{0}
+                                                         : (std::uint64_t{1} << 4 * job.quads.size()) - 1;
   batch.covered = job.covered;
   batch.lane_blocks = job.lane_blocks;
   return batch;

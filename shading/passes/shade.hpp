@@ -1,4 +1,5 @@
-// Quads through a pixel program: interpolates its inputs, runs the VM on 64 lanes, gives back colour. One per worker.
+// Quads through a pixel program: interpolates its inputs, runs the VM on 64 lanes, gives back colour. One per
+// worker.
 #pragma once
 
 #include <array>
@@ -32,7 +33,9 @@ class Shader {
   /// The same through the reference interpreter, recording every instruction of one lane. Slow.
   std::uint64_t run_traced(const ShadingJob& job, vm::Trace& trace);
   /// RGBA rows of 64 lanes: linear radiance and alpha.
-  double color(int channel, int lane) const { return color_[static_cast<std::size_t>(channel)] ? color_[static_cast<std::size_t>(channel)][lane] : 1.0; }
+  double color(int channel, int lane) const {
+    return color_[static_cast<std::size_t>(channel)] ? color_[static_cast<std::size_t>(channel)][lane] : 1.0;
+  }
   /// Input rows of the last job, in the order of PixelProgram::inputs: for inspection and tests.
   const double* input_row(std::size_t row) const { return inputs_.row(row); }
 
@@ -42,7 +45,8 @@ class Shader {
  private:
   vm::Batch make_batch(const ShadingJob& job);
   void find_color(const PixelProgram& program);
-  void fill_inputs(const PixelProgram& program, const DrawState& draw, std::span<const raster::QuadPosition> quads);
+  void fill_inputs(const PixelProgram& program, const DrawState& draw,
+                   std::span<const raster::QuadPosition> quads);
 
   const DrawList& list_;
   const raster::Frame& frame_;

@@ -8,13 +8,18 @@ namespace {
 
 vm::Address address(scenes::Wrap wrap) {
   switch (wrap) {
-    case scenes::Wrap::Clamp: return vm::Address::Clamp;
-    case scenes::Wrap::Mirror: return vm::Address::Mirror;
-    default: return vm::Address::Wrap;
+    case scenes::Wrap::Clamp:
+      return vm::Address::Clamp;
+    case scenes::Wrap::Mirror:
+      return vm::Address::Mirror;
+    default:
+      return vm::Address::Wrap;
   }
 }
 
-vm::Filter filter(scenes::Filter f) { return f == scenes::Filter::Nearest ? vm::Filter::Point : vm::Filter::Linear; }
+vm::Filter filter(scenes::Filter f) {
+  return f == scenes::Filter::Nearest ? vm::Filter::Point : vm::Filter::Linear;
+}
 
 }  // namespace
 
@@ -41,8 +46,12 @@ const vm::Texture* TextureSet::find(int image, bool srgb) const {
 }
 
 vm::SamplerState sampler_state(const scenes::Sampler& sampler) {
-  return {.u = address(sampler.wrap_u), .v = address(sampler.wrap_v), .magnify = filter(sampler.magnify),
-          .minify = filter(sampler.minify), .mip = filter(sampler.mip), .mipmapped = sampler.mipmapped};
+  return {.u = address(sampler.wrap_u),
+          .v = address(sampler.wrap_v),
+          .magnify = filter(sampler.magnify),
+          .minify = filter(sampler.minify),
+          .mip = filter(sampler.mip),
+          .mipmapped = sampler.mipmapped};
 }
 
 }  // namespace aluminate::passes

@@ -13,7 +13,7 @@
 namespace aluminate::passes {
 namespace {
 
-using Value = std::vector<glm::dvec4>;   // one vec4 per register
+using Value = std::vector<glm::dvec4>;  // one vec4 per register
 using Source = std::function<Value(const FrameUniforms&, const scenes::Material&)>;
 
 Value per_light(const FrameUniforms& frame, glm::dvec4 (*of)(const scenes::ShadingLight&)) {
@@ -30,21 +30,44 @@ const std::map<std::string, Source, std::less<>>& sources() {
          // Column-major registers: what mul(M, v) and M * v read.
          return Value{f.world_to_clip[0], f.world_to_clip[1], f.world_to_clip[2], f.world_to_clip[3]};
        }},
-      {"eye", [](const FrameUniforms& f, const scenes::Material&) { return Value{{f.eye, 1.0}}; }},
-      {"ambient", [](const FrameUniforms& f, const scenes::Material&) { return Value{glm::dvec4(f.ambient)}; }},
-      {"light_position", [](const FrameUniforms& f, const scenes::Material&) {
-         return per_light(f, [](const scenes::ShadingLight& l) { return l.position; }); }},
-      {"light_color", [](const FrameUniforms& f, const scenes::Material&) {
-         return per_light(f, [](const scenes::ShadingLight& l) { return glm::dvec4(l.color, l.k1); }); }},
-      {"light_window", [](const FrameUniforms& f, const scenes::Material&) {
-         return per_light(f, [](const scenes::ShadingLight& l) { return glm::dvec4(l.inv_range2, l.k0, l.spot_scale, l.spot_offset); }); }},
-      {"light_axis", [](const FrameUniforms& f, const scenes::Material&) {
-         return per_light(f, [](const scenes::ShadingLight& l) { return glm::dvec4(l.spot_axis, 0.0); }); }},
-      {"base_color_factor", [](const FrameUniforms&, const scenes::Material& m) { return Value{m.base_color}; }},
-      {"material_factors", [](const FrameUniforms&, const scenes::Material& m) {
-         return Value{{m.metallic, m.roughness, m.alpha_cutoff, m.occlusion_strength}}; }},
-      {"specular_factor", [](const FrameUniforms&, const scenes::Material& m) { return Value{{m.specular, m.glossiness}}; }},
-      {"emissive_factor", [](const FrameUniforms&, const scenes::Material& m) { return Value{{m.emissive, m.normal_scale}}; }},
+      {"eye",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{f.eye, 1.0}};
+       }},
+      {"ambient",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{glm::dvec4(f.ambient)}; }},
+      {"light_position",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return per_light(f, [](const scenes::ShadingLight& l) { return l.position; });
+       }},
+      {"light_color",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return per_light(f, [](const scenes::ShadingLight& l) { return glm::dvec4(l.color, l.k1); });
+       }},
+      {"light_window",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return per_light(f, [](const scenes::ShadingLight& l) {
+           return glm::dvec4(l.inv_range2, l.k0, l.spot_scale, l.spot_offset);
+         });
+       }},
+      {"light_axis",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return per_light(f, [](const scenes::ShadingLight& l) { return glm::dvec4(l.spot_axis, 0.0); });
+       }},
+      {"base_color_factor",
+       [](const FrameUniforms&, const scenes::Material& m) { return Value{m.base_color}; }},
+      {"material_factors",
+       [](const FrameUniforms&, const scenes::Material& m) {
+         return Value{{m.metallic, m.roughness, m.alpha_cutoff, m.occlusion_strength}};
+       }},
+      {"specular_factor",
+       [](const FrameUniforms&, const scenes::Material& m) {
+         return Value{{m.specular, m.glossiness}};
+       }},
+      {"emissive_factor",
+       [](const FrameUniforms&, const scenes::Material& m) {
+         return Value{{m.emissive, m.normal_scale}};
+       }},
       {"uv_transform",
        [](const FrameUniforms&, const scenes::Material& m) {
          Value rows;
@@ -61,7 +84,8 @@ const std::map<std::string, Source, std::less<>>& sources() {
 
 }  // namespace
 
-std::vector<double> uniform_values(const vm::Program& program, const FrameUniforms& frame, const scenes::Material* material) {
+std::vector<double> uniform_values(const vm::Program& program, const FrameUniforms& frame,
+                                   const scenes::Material* material) {
   static const scenes::Material kNoMaterial;
   std::vector<double> values(static_cast<std::size_t>(program.uniform_count) * 4, 0.0);
   for (const vm::UniformSymbol& symbol : program.uniforms) {
@@ -70,12 +94,14 @@ std::vector<double> uniform_values(const vm::Program& program, const FrameUnifor
       std::vector<std::string> names;
       for (const auto& [name, unused] : sources()) names.push_back(name);
       throw UserError({program.files.empty() ? program.name : program.files.front(), 0, 0},
-                      fmt::format("no value for uniform '{}'", symbol.name), host::did_you_mean(symbol.name, names));
+                      fmt::format("no value for uniform '{}'", symbol.name),
+                      host::did_you_mean(symbol.name, names));
     }
     const Value value = source->second(frame, material ? *material : kNoMaterial);
     for (std::size_t r = 0; r < static_cast<std::size_t>(symbol.registers) && r < value.size(); ++r)
       for (int c = 0; c < symbol.components; ++c)
-        values[(static_cast<std::size_t>(symbol.reg) + r) * 4 + static_cast<std::size_t>(symbol.component + c)] = value[r][c];
+        values[(static_cast<std::size_t>(symbol.reg) + r) * 4 +
+               static_cast<std::size_t>(symbol.component + c)] = value[r][c];
   }
   return values;
 }

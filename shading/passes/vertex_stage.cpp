@@ -19,13 +19,18 @@ constexpr std::size_t kChunk = 4096;
 static_assert(kChunk % vm::kLanes == 0);
 
 // One attribute component of one vertex, whatever type the mesh stores it in.
-using Fetch = double (*)(const scenes::Mesh&, const scenes::NormalisedSpace&, std::size_t vertex, int component);
+using Fetch = double (*)(const scenes::Mesh&, const scenes::NormalisedSpace&, std::size_t vertex,
+                         int component);
 
 double fetch_position(const scenes::Mesh& mesh, const scenes::NormalisedSpace& space, std::size_t v, int c) {
   return space.point(mesh.positions[v])[c];
 }
-double fetch_normal(const scenes::Mesh& mesh, const scenes::NormalisedSpace&, std::size_t v, int c) { return mesh.normals[v][c]; }
-double fetch_tangent(const scenes::Mesh& mesh, const scenes::NormalisedSpace&, std::size_t v, int c) { return mesh.tangents[v][c]; }
+double fetch_normal(const scenes::Mesh& mesh, const scenes::NormalisedSpace&, std::size_t v, int c) {
+  return mesh.normals[v][c];
+}
+double fetch_tangent(const scenes::Mesh& mesh, const scenes::NormalisedSpace&, std::size_t v, int c) {
+  return mesh.tangents[v][c];
+}
 double fetch_uv(const scenes::Mesh& mesh, const scenes::NormalisedSpace&, std::size_t v, int c) {
   const std::vector<glm::vec2>& set = c < 2 ? mesh.uv0 : mesh.uv1;
   return set.empty() ? 0.0 : double{set[v][c % 2]};
@@ -48,22 +53,28 @@ Fetch attribute(const std::string& semantic) {
 std::size_t output_row(const VertexProgram& program, const std::string& semantic, int component) {
   const auto outputs = program.executable.outputs();
   for (std::size_t row = 0; row < outputs.size(); ++row)
-    if (outputs[row].component == component && program.program.outputs[outputs[row].index].semantic == semantic) return row;
-  throw UserError(fmt::format("the pixel shader reads {}.{}, which the vertex shader does not write", semantic, "xyzw"[component]));
+    if (outputs[row].component == component &&
+        program.program.outputs[outputs[row].index].semantic == semantic)
+      return row;
+  throw UserError(fmt::format("the pixel shader reads {}.{}, which the vertex shader does not write",
+                              semantic, "xyzw"[component]));
 }
 
 }  // namespace
 
-void shade_vertices(const VertexProgram& program, const scenes::Mesh& mesh, const scenes::NormalisedSpace& space,
-                    const std::vector<Varying>& wanted, const VertexTarget& target, vm::Counters& counters) {
+void shade_vertices(const VertexProgram& program, const scenes::Mesh& mesh,
+                    const scenes::NormalisedSpace& space, const std::vector<Varying>& wanted,
+                    const VertexTarget& target, vm::Counters& counters) {
   const auto inputs = program.executable.inputs();
   const std::size_t output_count = program.executable.outputs().size();
   std::vector<Fetch> fetch;
-  for (const vm::RowBinding& input : inputs) fetch.push_back(attribute(program.program.inputs[input.index].semantic));
+  for (const vm::RowBinding& input : inputs)
+    fetch.push_back(attribute(program.program.inputs[input.index].semantic));
   std::size_t clip_row[4];
   for (int c = 0; c < 4; ++c) clip_row[c] = output_row(program, "POSITION0", c);
   std::vector<std::size_t> varying_row;
-  for (const Varying& varying : wanted) varying_row.push_back(output_row(program, varying.semantic, varying.component));
+  for (const Varying& varying : wanted)
+    varying_row.push_back(output_row(program, varying.semantic, varying.component));
 
   const std::size_t count = mesh.positions.size();
   double* const clip[4] = {target.x, target.y, target.z, target.w};
@@ -73,33 +84,38 @@ void shade_vertices(const VertexProgram& program, const scenes::Mesh& mesh, cons
     host::AlignedRows inputs, outputs;
   };
   host::PerWorker<Worker> workers([&] {
-    return Worker{vm::Scratch(program.executable), vm::Counters(program.executable), host::AlignedRows(inputs.size()), host::AlignedRows(output_count)};
+    return Worker{vm::Scratch(program.executable), vm::Counters(program.executable),
+                  host::AlignedRows(inputs.size()), host::AlignedRows(output_count)};
   });
-  host::parallel_for_workers(static_cast<std::int64_t>((count + kChunk - 1) / kChunk), [&](std::int64_t chunk, int slot) {
-    Worker& worker = workers[slot];
-    const std::size_t first = static_cast<std::size_t>(chunk) * kChunk, last = std::min(count, first + kChunk);
-    for (std::size_t base = first; base < last; base += vm::kLanes) {
-      const std::size_t lanes = std::min<std::size_t>(vm::kLanes, last - base);
-      for (std::size_t row = 0; row < inputs.size(); ++row)
-        for (std::size_t lane = 0; lane < lanes; ++lane)
-          worker.inputs.row(row)[lane] = fetch[row](mesh, space, base + lane, inputs[row].component);
-      vm::Batch batch;
-      batch.inputs = worker.inputs.data();
-      batch.outputs = worker.outputs.data();
-      batch.constants = program.constants.data();
-      batch.active = batch.covered = lanes == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << lanes) - 1;
-      vm::run(program.executable, batch, worker.scratch, worker.counters);
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        const std::size_t v = base + lane;
-        for (std::size_t c = 0; c < 4; ++c) clip[c][v] = worker.outputs.row(clip_row[c])[lane];
-        for (std::size_t k = 0; k < varying_row.size(); ++k) target.varyings[v * varying_row.size() + k] = worker.outputs.row(varying_row[k])[lane];
-        // The VM replaces what is not a number at its border; the rasterizer has to see it, to drop the triangle whole.
-        const glm::dvec3& p = mesh.positions[v];
-        if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
-          target.x[v] = std::numeric_limits<double>::quiet_NaN();
-      }
-    }
-  });
+  host::parallel_for_workers(
+      static_cast<std::int64_t>((count + kChunk - 1) / kChunk), [&](std::int64_t chunk, int slot) {
+        Worker& worker = workers[slot];
+        const std::size_t first = static_cast<std::size_t>(chunk) * kChunk,
+                          last = std::min(count, first + kChunk);
+        for (std::size_t base = first; base < last; base += vm::kLanes) {
+          const std::size_t lanes = std::min<std::size_t>(vm::kLanes, last - base);
+          for (std::size_t row = 0; row < inputs.size(); ++row)
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+              worker.inputs.row(row)[lane] = fetch[row](mesh, space, base + lane, inputs[row].component);
+          vm::Batch batch;
+          batch.inputs = worker.inputs.data();
+          batch.outputs = worker.outputs.data();
+          batch.constants = program.constants.data();
+          batch.active = batch.covered = lanes == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << lanes) - 1;
+          vm::run(program.executable, batch, worker.scratch, worker.counters);
+          for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t v = base + lane;
+            for (std::size_t c = 0; c < 4; ++c) clip[c][v] = worker.outputs.row(clip_row[c])[lane];
+            for (std::size_t k = 0; k < varying_row.size(); ++k)
+              target.varyings[v * varying_row.size() + k] = worker.outputs.row(varying_row[k])[lane];
+            // The VM replaces what is not a number at its border; the rasterizer has to see it, to drop the
+            // triangle whole.
+            const glm::dvec3& p = mesh.positions[v];
+            if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
+              target.x[v] = std::numeric_limits<double>::quiet_NaN();
+          }
+        }
+      });
   workers.for_each([&](const Worker& worker) { counters += worker.counters; });
 }
 

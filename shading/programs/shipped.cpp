@@ -4,7 +4,7 @@
 
 namespace aluminate::programs {
 
-extern const ShippedSource kSources[];   // generated from the .hlsl files of this folder
+extern const ShippedSource kSources[];  // generated from the .hlsl files of this folder
 extern const std::size_t kSourceCount;
 
 std::span<const ShippedSource> shipped_sources() { return {kSources, kSourceCount}; }

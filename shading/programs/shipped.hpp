@@ -1,4 +1,5 @@
-// The shipped shader sources, embedded: the program needs no data files. User shaders may #include them by name.
+// The shipped shader sources, embedded: the program needs no data files. User shaders may #include them by
+// name.
 #pragma once
 
 #include <span>
@@ -9,7 +10,7 @@
 namespace aluminate::programs {
 
 struct ShippedSource {
-  std::string_view name;   // "forward_lit.hlsl"
+  std::string_view name;  // "forward_lit.hlsl"
   std::string_view text;
 };
 std::span<const ShippedSource> shipped_sources();

@@ -24,12 +24,14 @@ bool looks_like_file(const std::string& subject) {
 
 int light_count(const passes::FrameOptions& options) {
   int count = 4;
-  if (options.lights.starts_with("rig:")) std::from_chars(options.lights.data() + 4, options.lights.data() + options.lights.size(), count);
+  if (options.lights.starts_with("rig:"))
+    std::from_chars(options.lights.data() + 4, options.lights.data() + options.lights.size(), count);
   if (options.lights == "none") count = 0;
   return count;
 }
 
-cost::StaticCost price_file(const std::string& path, const CostRequest& request, const console::GpuModel& gpu) {
+cost::StaticCost price_file(const std::string& path, const CostRequest& request,
+                            const console::GpuModel& gpu) {
   compiler::Options options;
   options.source_path = path;
   options.stage = request.stage == "vertex" || path.ends_with(".vert") ? vm::Stage::Vertex : vm::Stage::Pixel;
@@ -49,13 +51,15 @@ cost::StaticCost price_file(const std::string& path, const CostRequest& request,
 }
 
 // A variant of the shipped shader on a plain surface, with its marginal light under the loop form asked for.
-cost::StaticCost price_variant(const std::string& name, const passes::FrameOptions& options, const CostRequest& request, const console::GpuModel& gpu) {
+cost::StaticCost price_variant(const std::string& name, const passes::FrameOptions& options,
+                               const CostRequest& request, const console::GpuModel& gpu) {
   const passes::SurfaceFeatures plain;
   const int lights = light_count(options);
   const bool rolled = passes::rolls_lights(options, lights);
   const vm::Program program = passes::compile_pixel(options, plain, {.count = lights}, rolled);
   cost::StaticCost price = cost::price(program, gpu, request.assumptions);
-  price.name = fmt::format("{} ({} light{}, {})", name, lights, lights == 1 ? "" : "s", rolled ? "rolled" : "unrolled");
+  price.name = fmt::format("{} ({} light{}, {})", name, lights, lights == 1 ? "" : "s",
+                           rolled ? "rolled" : "unrolled");
   if (rolled && lights > 0) {
     price.per_light = cost::loop_body_light(program, price);
   } else {
@@ -65,7 +69,8 @@ cost::StaticCost price_variant(const std::string& name, const passes::FrameOptio
   return price;
 }
 
-cost::StaticCost price_subject(const std::string& subject, const CostRequest& request, const console::GpuModel& gpu) {
+cost::StaticCost price_subject(const std::string& subject, const CostRequest& request,
+                               const console::GpuModel& gpu) {
   if (looks_like_file(subject)) return price_file(subject, request, gpu);
   passes::FrameOptions options = request.options;
   if (subject.find('=') != std::string::npos) {
@@ -75,7 +80,8 @@ cost::StaticCost price_subject(const std::string& subject, const CostRequest& re
   } else {
     std::vector<std::string> known;
     for (const brdf::VisibilityTerm& row : brdf::kVisibilityTerms) known.emplace_back(row.name);
-    throw UserError(fmt::format("'{}' is neither a shader file nor a variant", subject), host::did_you_mean(subject, known));
+    throw UserError(fmt::format("'{}' is neither a shader file nor a variant", subject),
+                    host::did_you_mean(subject, known));
   }
   return price_variant(subject, options, request, gpu);
 }
@@ -88,10 +94,11 @@ std::string cost_report(const CostRequest& request) {
   for (const std::string& subject : request.subjects) costs.push_back(price_subject(subject, request, gpu));
   std::string text = cost::format_cost(costs, request.format);
   if (request.format == cost::Format::Json) {
-    nlohmann::ordered_json document = {{"schema", 1},
-                                       {"tool", {{"name", "aluminate"}, {"version", ALUMINATE_VERSION}}},
-                                       {"command", fmt::format("aluminate cost {} --platform {}", fmt::join(request.subjects, " "), gpu.id)},
-                                       {"inputs", {{"subjects", request.subjects}, {"platform", gpu.path}}}};
+    nlohmann::ordered_json document = {
+        {"schema", 1},
+        {"tool", {{"name", "aluminate"}, {"version", ALUMINATE_VERSION}}},
+        {"command", fmt::format("aluminate cost {} --platform {}", fmt::join(request.subjects, " "), gpu.id)},
+        {"inputs", {{"subjects", request.subjects}, {"platform", gpu.path}}}};
     document.update(nlohmann::ordered_json::parse(text));
     text = document.dump(2) + "\n";
   }

@@ -11,9 +11,10 @@
 namespace aluminate::report {
 
 struct CostRequest {
-  /// Shader files (.hlsl .glsl .frag .vert .spv), visibility names ("cheap"), or variants "visibility=cheap,fresnel=sg".
+  /// Shader files (.hlsl .glsl .frag .vert .spv), visibility names ("cheap"), or variants
+  /// "visibility=cheap,fresnel=sg".
   std::vector<std::string> subjects;
-  passes::FrameOptions options;     // platform, light loop, lights (rig:N gives the light count), defines
+  passes::FrameOptions options;  // platform, light loop, lights (rig:N gives the light count), defines
   std::string stage = "pixel", entry = "main";
   cost::Assumptions assumptions;
   cost::Format format = cost::Format::Text;

@@ -19,8 +19,8 @@ using nlohmann::ordered_json;
 constexpr int kSchema = 1;
 
 struct Plane {
-  const char* key;     // JSON
-  const char* title;   // text
+  const char* key;    // JSON
+  const char* title;  // text
   std::vector<std::uint32_t> passes::CostPlanes::*values;
 };
 constexpr Plane kPlanes[] = {{"alu_words", "ALU words/px", &passes::CostPlanes::alu_words},
@@ -105,7 +105,8 @@ ordered_json per_pixel_json(const passes::Frame& frame) {
   ordered_json result = ordered_json::object();
   for (const Plane& plane : kPlanes) {
     const Distribution d = distribution_of(frame, plane);
-    result[plane.key] = {{"mean", d.mean()}, {"p95", d.p95}, {"max", d.max}, {"total", d.total}, {"pixels", d.pixels}};
+    result[plane.key] = {
+        {"mean", d.mean()}, {"p95", d.p95}, {"max", d.max}, {"total", d.total}, {"pixels", d.pixels}};
   }
   return result;
 }
@@ -113,8 +114,11 @@ ordered_json per_pixel_json(const passes::Frame& frame) {
 ordered_json lights_json(const passes::LightCosts& lights) {
   ordered_json rows = ordered_json::array();
   for (const cost::LightCost& light : lights.rows)
-    rows.push_back({{"loop", light.loop}, {"convention", light.convention}, {"alu_words", light.alu_words},
-                    {"alu_slots", light.alu_slots}, {"fetches", light.fetches}});
+    rows.push_back({{"loop", light.loop},
+                    {"convention", light.convention},
+                    {"alu_words", light.alu_words},
+                    {"alu_slots", light.alu_slots},
+                    {"fetches", light.fetches}});
   return rows;
 }
 
@@ -122,8 +126,11 @@ ordered_json body_json(const Billed& billed) {
   const passes::Frame& frame = billed.frame;
   ordered_json programs = ordered_json::array();
   for (const passes::PathInfo& path : frame.paths)
-    programs.push_back({{"program", path.program}, {"alu_words", path.alu_words}, {"alu_slots", path.alu_slots},
-                        {"fetches", path.fetches}, {"fetch_cyc", path.fetch_cyc}});
+    programs.push_back({{"program", path.program},
+                        {"alu_words", path.alu_words},
+                        {"alu_slots", path.alu_slots},
+                        {"fetches", path.fetches},
+                        {"fetch_cyc", path.fetch_cyc}});
   ordered_json saturated = ordered_json::array();
   for (const passes::Saturation& s : frame.saturated_instructions)
     saturated.push_back({{"place", s.place}, {"instruction", s.instruction}, {"lanes", s.lanes}});
@@ -142,14 +149,22 @@ ordered_json body_json(const Billed& billed) {
 
 std::string pass_table(const Billed& billed) {
   using host::Align;
-  host::TextTable table({{"pass"}, {"pixels", Align::Right}, {"quads", Align::Right}, {"helper lanes", Align::Right},
-                         {"ALU words", Align::Right}, {"fetches", Align::Right}, {"fetch cyc", Align::Right},
-                         {"ms", Align::Right}, {"bound"}});
+  host::TextTable table({{"pass"},
+                         {"pixels", Align::Right},
+                         {"quads", Align::Right},
+                         {"helper lanes", Align::Right},
+                         {"ALU words", Align::Right},
+                         {"fetches", Align::Right},
+                         {"fetch cyc", Align::Right},
+                         {"ms", Align::Right},
+                         {"bound"}});
   for (std::size_t i = 0; i < billed.frame.passes.size(); ++i) {
     const passes::PassTotals& pass = billed.frame.passes[i];
-    table.add_row({pass.name, fmt::format("{}", pass.pixels), fmt::format("{}", pass.quads), fmt::format("{}", pass.helper_lanes),
-                   fmt::format("{}", pass.alu_words), fmt::format("{}", pass.fetches), fmt::format("{}", pass.fetch_cyc),
-                   fmt::format("{:.3f}", billed.budget.passes[i].derated), std::string(console::unit_name(billed.budget.passes[i].bound))});
+    table.add_row({pass.name, fmt::format("{}", pass.pixels), fmt::format("{}", pass.quads),
+                   fmt::format("{}", pass.helper_lanes), fmt::format("{}", pass.alu_words),
+                   fmt::format("{}", pass.fetches), fmt::format("{}", pass.fetch_cyc),
+                   fmt::format("{:.3f}", billed.budget.passes[i].derated),
+                   std::string(console::unit_name(billed.budget.passes[i].bound))});
   }
   return table.text();
 }
@@ -160,7 +175,8 @@ std::string mean_text(double mean) { return fmt::format("{:.2f}", mean); }
 std::string change_word(double a, double b) { return b < a ? "helped" : b > a ? "HURT" : "same"; }
 std::string change_text(double a, double b) {
   if (a == b) return "=";
-  return a != 0 ? fmt::format("{:+.2f} ({:+.1f} %)", b - a, 100.0 * (b - a) / a) : fmt::format("{:+.2f}", b - a);
+  return a != 0 ? fmt::format("{:+.2f} ({:+.1f} %)", b - a, 100.0 * (b - a) / a)
+                : fmt::format("{:+.2f}", b - a);
 }
 
 void add_comparison(host::TextTable& table, const std::string& what, double a, double b, bool whole) {
@@ -181,10 +197,12 @@ std::string image_hash(const passes::Frame& frame) {
 
 std::string canonical_command(const std::string& verb, const Origin& origin) {
   const passes::FrameOptions& o = origin.options;
-  std::string text = fmt::format("aluminate {} {} --size {}x{} --camera {} --lights {} --ambient {} --pipeline {} --visibility {} --fresnel {} --tonemap {} --number {} --platform {} --light-loop {}",
-                                 verb, origin.scene_file, o.width, o.height, o.camera, o.lights, passes::ambient_text(o), passes::to_string(o.pipeline),
-                                 brdf::to_string(o.visibility), brdf::to_string(o.fresnel), passes::to_string(o.tonemap), o.number, o.platform,
-                                 passes::to_string(o.light_loop));
+  std::string text = fmt::format(
+      "aluminate {} {} --size {}x{} --camera {} --lights {} --ambient {} --pipeline {} --visibility {} "
+      "--fresnel {} --tonemap {} --number {} --platform {} --light-loop {}",
+      verb, origin.scene_file, o.width, o.height, o.camera, o.lights, passes::ambient_text(o),
+      passes::to_string(o.pipeline), brdf::to_string(o.visibility), brdf::to_string(o.fresnel),
+      passes::to_string(o.tonemap), o.number, o.platform, passes::to_string(o.light_loop));
   if (!o.shader.empty()) text += " --shader " + o.shader;
   for (const auto& [name, value] : o.defines) text += fmt::format(" -D {}={}", name, value);
   return text;
@@ -200,19 +218,24 @@ std::string render_json(const Billed& billed) {
 std::string render_text(const Billed& billed) {
   std::string text = pass_table(billed);
   using host::Align;
-  host::TextTable pixels({{"executed, helper lanes included"}, {"mean", Align::Right}, {"p95", Align::Right}, {"max", Align::Right}});
+  host::TextTable pixels({{"executed, helper lanes included"},
+                          {"mean", Align::Right},
+                          {"p95", Align::Right},
+                          {"max", Align::Right}});
   for (const Plane& plane : kPlanes) {
     const Distribution d = distribution_of(billed.frame, plane);
     pixels.add_row({plane.title, mean_text(d.mean()), fmt::format("{}", d.p95), fmt::format("{}", d.max)});
   }
   text += "\n" + pixels.text();
   for (const cost::LightCost& light : billed.lights.rows)
-    text += fmt::format("one more light: {:.0f} words, {} slots ({})\n", light.alu_words, light.alu_slots, light.convention);
+    text += fmt::format("one more light: {:.0f} words, {} slots ({})\n", light.alu_words, light.alu_slots,
+                        light.convention);
   text += fmt::format("\n{}: {}\n", billed.gpu.name, billed.budget.sentence);
   for (const auto& [reason, count] : billed.frame.dropped)
     if (count) text += fmt::format("{} triangles dropped: {}\n", count, reason);
   if (billed.frame.saturations) text += fmt::format("{} results saturated\n", billed.frame.saturations);
-  for (const passes::Saturation& s : billed.frame.saturated_instructions) text += fmt::format("  {}: {}  {} lanes\n", s.place, s.instruction, s.lanes);
+  for (const passes::Saturation& s : billed.frame.saturated_instructions)
+    text += fmt::format("  {}: {}  {} lanes\n", s.place, s.instruction, s.lanes);
   return text;
 }
 
@@ -230,8 +253,12 @@ std::string compare_json(const Billed& a, const Billed& b, const ImageDifference
                         {"max", std::int64_t{db.max} - std::int64_t{da.max}}};
   }
   document["difference"] = {{"image",
-                             {{"differing_pixels", d.differing}, {"pixels", d.pixels}, {"mean_step", d.mean_step()}, {"max_step", d.max_step},
-                              {"worst", {d.worst_x, d.worst_y}}, {"first", {d.first_x, d.first_y}}}},
+                             {{"differing_pixels", d.differing},
+                              {"pixels", d.pixels},
+                              {"mean_step", d.mean_step()},
+                              {"max_step", d.max_step},
+                              {"worst", {d.worst_x, d.worst_y}},
+                              {"first", {d.first_x, d.first_y}}}},
                             {"per_pixel", delta},
                             {"frame_ms", b.budget.derated_ms - a.budget.derated_ms},
                             {"verdict", hurts(a, b) ? "HURT" : "not hurt"}};
@@ -241,9 +268,14 @@ std::string compare_json(const Billed& a, const Billed& b, const ImageDifference
 
 std::string compare_text(const Billed& a, const Billed& b, const ImageDifference& d) {
   using host::Align;
-  std::string text = fmt::format("{}  {}x{}  {}  {}  {}\n\n", a.origin.scene_file, a.frame.width, a.frame.height, a.frame.lights,
-                                 a.gpu.id == b.gpu.id ? a.gpu.name : a.gpu.name + " / " + b.gpu.name, a.origin.options.number);
-  host::TextTable table({{"executed on the console"}, {"A " + a.name, Align::Right}, {"B " + b.name, Align::Right}, {"B - A", Align::Right}, {""}});
+  std::string text = fmt::format(
+      "{}  {}x{}  {}  {}  {}\n\n", a.origin.scene_file, a.frame.width, a.frame.height, a.frame.lights,
+      a.gpu.id == b.gpu.id ? a.gpu.name : a.gpu.name + " / " + b.gpu.name, a.origin.options.number);
+  host::TextTable table({{"executed on the console"},
+                         {"A " + a.name, Align::Right},
+                         {"B " + b.name, Align::Right},
+                         {"B - A", Align::Right},
+                         {""}});
   for (const Plane& plane : kPlanes) {
     const Distribution da = distribution_of(a.frame, plane), db = distribution_of(b.frame, plane);
     add_comparison(table, std::string(plane.title) + " mean", da.mean(), db.mean(), false);
@@ -255,13 +287,22 @@ std::string compare_text(const Billed& a, const Billed& b, const ImageDifference
   text += table.text();
 
   if (!a.lights.rows.empty() && a.lights.rows.size() == b.lights.rows.size()) {
-    host::TextTable lights({{"one more light, static"}, {"A", Align::Right}, {"B", Align::Right}, {"B - A", Align::Right}, {""}});
+    host::TextTable lights({{"one more light, static"},
+                            {"A", Align::Right},
+                            {"B", Align::Right},
+                            {"B - A", Align::Right},
+                            {""}});
     for (std::size_t i = 0; i < a.lights.rows.size(); ++i) {
       const cost::LightCost &la = a.lights.rows[i], &lb = b.lights.rows[i];
-      lights.add_row({"slots: " + la.convention, fmt::format("{}", la.alu_slots), fmt::format("{}", lb.alu_slots),
-                      la.alu_slots == lb.alu_slots ? "=" : fmt::format("{:+d}", lb.alu_slots - la.alu_slots), change_word(la.alu_slots, lb.alu_slots)});
-      lights.add_row({"words: " + la.convention, fmt::format("{:.0f}", la.alu_words), fmt::format("{:.0f}", lb.alu_words),
-                      la.alu_words == lb.alu_words ? "=" : fmt::format("{:+.0f}", lb.alu_words - la.alu_words), change_word(la.alu_words, lb.alu_words)});
+      lights.add_row({"slots: " + la.convention, fmt::format("{}", la.alu_slots),
+                      fmt::format("{}", lb.alu_slots),
+                      la.alu_slots == lb.alu_slots ? "=" : fmt::format("{:+d}", lb.alu_slots - la.alu_slots),
+                      change_word(la.alu_slots, lb.alu_slots)});
+      lights.add_row(
+          {"words: " + la.convention, fmt::format("{:.0f}", la.alu_words),
+           fmt::format("{:.0f}", lb.alu_words),
+           la.alu_words == lb.alu_words ? "=" : fmt::format("{:+.0f}", lb.alu_words - la.alu_words),
+           change_word(la.alu_words, lb.alu_words)});
     }
     text += "\n" + lights.text();
   }
@@ -277,7 +318,8 @@ bool hurts(const Billed& a, const Billed& b) {
     return sum;
   };
   return total(b, &passes::PassTotals::alu_words) > total(a, &passes::PassTotals::alu_words) ||
-         total(b, &passes::PassTotals::fetch_cyc) > total(a, &passes::PassTotals::fetch_cyc) || b.budget.derated_ms > a.budget.derated_ms;
+         total(b, &passes::PassTotals::fetch_cyc) > total(a, &passes::PassTotals::fetch_cyc) ||
+         b.budget.derated_ms > a.budget.derated_ms;
 }
 
 }  // namespace aluminate::report

@@ -1,5 +1,6 @@
-// The JSON documents and text tables of `render` and `compare`. Every document starts with schema, tool, command and
-// inputs; keys carry units; everything but "timing" is the same on every machine and thread count.
+// The JSON documents and text tables of `render` and `compare`. Every document starts with schema, tool,
+// command and inputs; keys carry units; everything but "timing" is the same on every machine and thread
+// count.
 #pragma once
 
 #include <string>
@@ -16,17 +17,17 @@ namespace aluminate::report {
 /// What a document says about where it came from.
 struct Origin {
   std::string scene_file, scene_hash;
-  passes::FrameOptions options;   // as resolved
+  passes::FrameOptions options;  // as resolved
 };
 
 /// A rendered frame with its price.
 struct Billed {
-  std::string name;               // "A schlick-smith"
+  std::string name;  // "A schlick-smith"
   Origin origin;
   passes::Frame frame;
   console::GpuModel gpu;
   console::FrameBudget budget;
-  passes::LightCosts lights;      // marginal cost of one more light, by convention
+  passes::LightCosts lights;  // marginal cost of one more light, by convention
 };
 
 /// XXH3-128 of width, height and the stored RGBA8 bytes, hex.

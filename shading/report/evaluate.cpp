@@ -34,7 +34,7 @@ std::vector<std::string> cells_of(std::string_view line) {
 // A column's place in the program: an input component or a uniform component.
 struct Target {
   bool uniform = false;
-  std::size_t at = 0;   // input: row; uniform: index into the constant bank
+  std::size_t at = 0;  // input: row; uniform: index into the constant bank
 };
 
 using Targets = std::map<std::string, Target, std::less<>>;
@@ -43,11 +43,13 @@ Targets targets_of(const vm::Program& program, const vm::Executable& executable)
   Targets targets;
   const auto inputs = executable.inputs();
   for (std::size_t row = 0; row < inputs.size(); ++row)
-    targets[fmt::format("{}.{}", program.inputs[inputs[row].index].semantic, "xyzw"[inputs[row].component])] = {false, row};
+    targets[fmt::format("{}.{}", program.inputs[inputs[row].index].semantic, "xyzw"[inputs[row].component])] =
+        {false, row};
   for (const vm::UniformSymbol& symbol : program.uniforms)
     for (int r = 0; r < symbol.registers; ++r)
       for (int c = 0; c < symbol.components; ++c) {
-        const std::size_t at = static_cast<std::size_t>(symbol.reg + r) * 4 + static_cast<std::size_t>(symbol.component + c);
+        const std::size_t at =
+            static_cast<std::size_t>(symbol.reg + r) * 4 + static_cast<std::size_t>(symbol.component + c);
         const std::string base = symbol.registers > 1 ? fmt::format("{}[{}]", symbol.name, r) : symbol.name;
         if (symbol.components == 1) targets[base] = {true, at};
         targets[fmt::format("{}.{}", base, "xyzw"[c])] = {true, at};
@@ -68,7 +70,8 @@ struct Run {
   std::vector<std::size_t> saturated_rows;
 };
 
-Run run_rows(const Csv& csv, const std::vector<Target>& column_targets, const vm::Program& program, const vm::Executable& executable) {
+Run run_rows(const Csv& csv, const std::vector<Target>& column_targets, const vm::Program& program,
+             const vm::Executable& executable) {
   Run run;
   vm::Scratch scratch(executable);
   vm::Counters counters(executable);
@@ -79,8 +82,10 @@ Run run_rows(const Csv& csv, const std::vector<Target>& column_targets, const vm
     for (std::size_t c = 0; c < column_targets.size(); ++c) {
       const Target& target = column_targets[c];
       // All four lanes of the quad get the row, so that derivatives are 0.
-      if (target.uniform) constants[target.at] = csv.rows[row][c];
-      else std::fill_n(inputs.row(target.at), 4, csv.rows[row][c]);
+      if (target.uniform)
+        constants[target.at] = csv.rows[row][c];
+      else
+        std::fill_n(inputs.row(target.at), 4, csv.rows[row][c]);
     }
     const vm::ConstantBank bank = vm::quantise_constants(executable.format(), constants);
     vm::Batch batch;
@@ -97,13 +102,15 @@ Run run_rows(const Csv& csv, const std::vector<Target>& column_targets, const vm
     run.saturations += saturated;
     if (saturated && run.saturated_rows.size() < 10) run.saturated_rows.push_back(row + 1);
     std::vector<double> result;
-    for (std::size_t r = 0; r < outputs.count() && r < executable.outputs().size(); ++r) result.push_back(outputs.row(r)[0]);
+    for (std::size_t r = 0; r < outputs.count() && r < executable.outputs().size(); ++r)
+      result.push_back(outputs.row(r)[0]);
     run.results.push_back(std::move(result));
   }
   return run;
 }
 
-std::string joined(const Csv& csv, const std::vector<std::string>& added, const std::vector<std::vector<double>>& results, const std::vector<std::size_t>& picked) {
+std::string joined(const Csv& csv, const std::vector<std::string>& added,
+                   const std::vector<std::vector<double>>& results, const std::vector<std::size_t>& picked) {
   std::string text = fmt::format("{},{}\n", fmt::join(csv.columns, ","), fmt::join(added, ","));
   for (std::size_t row = 0; row < csv.rows.size(); ++row) {
     text += fmt::format("{}", fmt::join(csv.text[row], ","));
@@ -113,8 +120,10 @@ std::string joined(const Csv& csv, const std::vector<std::string>& added, const 
   return text;
 }
 
-[[noreturn]] void unknown_column(const std::string& path, const std::string& column, const std::vector<std::string>& known) {
-  throw UserError(SourcePlace{path, 1, 0}, fmt::format("unknown column '{}'", column), host::did_you_mean(column, known));
+[[noreturn]] void unknown_column(const std::string& path, const std::string& column,
+                                 const std::vector<std::string>& known) {
+  throw UserError(SourcePlace{path, 1, 0}, fmt::format("unknown column '{}'", column),
+                  host::did_you_mean(column, known));
 }
 
 }  // namespace
@@ -133,38 +142,49 @@ Csv parse_csv(const std::string& contents, const std::string& path) {
     if (csv.columns.empty()) {
       csv.columns = cells;
       for (std::size_t i = 0; i < cells.size(); ++i)
-        if (cells[i].empty() || std::find(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(i), cells[i]) != cells.begin() + static_cast<std::ptrdiff_t>(i))
-          throw UserError(SourcePlace{path, line, static_cast<int>(i) + 1}, fmt::format("column name '{}' is empty or used twice", cells[i]));
+        if (cells[i].empty() || std::find(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(i),
+                                          cells[i]) != cells.begin() + static_cast<std::ptrdiff_t>(i))
+          throw UserError(SourcePlace{path, line, static_cast<int>(i) + 1},
+                          fmt::format("column name '{}' is empty or used twice", cells[i]));
       continue;
     }
     if (cells.size() != csv.columns.size())
-      throw UserError(SourcePlace{path, line, 0}, fmt::format("expected {} values, got {}", csv.columns.size(), cells.size()), "every line has one value for each column of the first");
+      throw UserError(SourcePlace{path, line, 0},
+                      fmt::format("expected {} values, got {}", csv.columns.size(), cells.size()),
+                      "every line has one value for each column of the first");
     std::vector<double> values;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       double value = 0;
-      const auto [stop, error] = std::from_chars(cells[i].data() + (cells[i].starts_with('+') ? 1 : 0), cells[i].data() + cells[i].size(), value);
+      const auto [stop, error] = std::from_chars(cells[i].data() + (cells[i].starts_with('+') ? 1 : 0),
+                                                 cells[i].data() + cells[i].size(), value);
       if (error != std::errc{} || stop != cells[i].data() + cells[i].size())
-        throw UserError(SourcePlace{path, line, static_cast<int>(i) + 1}, fmt::format("column {}: '{}' is not a number", csv.columns[i], cells[i]));
+        throw UserError(SourcePlace{path, line, static_cast<int>(i) + 1},
+                        fmt::format("column {}: '{}' is not a number", csv.columns[i], cells[i]));
       values.push_back(value);
     }
     csv.rows.push_back(std::move(values));
     csv.text.push_back(cells);
   }
-  if (csv.columns.empty()) throw UserError(SourcePlace{path, 1, 0}, "no columns: the file is empty", "the first line names the columns");
+  if (csv.columns.empty())
+    throw UserError(SourcePlace{path, 1, 0}, "no columns: the file is empty",
+                    "the first line names the columns");
   return csv;
 }
 
-Evaluation evaluate_brdf(const Csv& inputs, const std::string& path, brdf::Visibility visibility, brdf::Fresnel fresnel, const number::NumberFormat& format) {
+Evaluation evaluate_brdf(const Csv& inputs, const std::string& path, brdf::Visibility visibility,
+                         brdf::Fresnel fresnel, const number::NumberFormat& format) {
   const vm::Program program = passes::compile_eval_brdf(visibility, fresnel);
   const vm::Executable executable = vm::prepare(program, format);
-  static const std::map<std::string, std::string, std::less<>> kColumns = {{"n_dot_l", "TEXCOORD0.x"}, {"n_dot_v", "TEXCOORD0.y"}, {"n_dot_h", "TEXCOORD0.z"},
-                                                                           {"h_dot_v", "TEXCOORD0.w"}, {"g", "TEXCOORD1.x"},       {"cspec", "TEXCOORD1.y"}};
+  static const std::map<std::string, std::string, std::less<>> kColumns = {
+      {"n_dot_l", "TEXCOORD0.x"}, {"n_dot_v", "TEXCOORD0.y"}, {"n_dot_h", "TEXCOORD0.z"},
+      {"h_dot_v", "TEXCOORD0.w"}, {"g", "TEXCOORD1.x"},       {"cspec", "TEXCOORD1.y"}};
   const Targets targets = targets_of(program, executable);
   std::vector<std::string> names;
   for (const auto& [name, unused] : kColumns) names.push_back(name);
   for (const std::string& name : names)
     if (std::find(inputs.columns.begin(), inputs.columns.end(), name) == inputs.columns.end())
-      throw UserError(SourcePlace{path, 1, 0}, fmt::format("column '{}' is missing", name), "eval brdf reads g,n_dot_l,n_dot_v,n_dot_h,h_dot_v,cspec");
+      throw UserError(SourcePlace{path, 1, 0}, fmt::format("column '{}' is missing", name),
+                      "eval brdf reads g,n_dot_l,n_dot_v,n_dot_h,h_dot_v,cspec");
   // A variant may not read every column (cheap never reads n.l): those go to a component nobody uses.
   Csv used;
   std::vector<Target> column_targets;
@@ -181,7 +201,8 @@ Evaluation evaluate_brdf(const Csv& inputs, const std::string& path, brdf::Visib
   return {joined(inputs, {"value"}, run.results, {0}), run.saturations, run.saturated_rows};
 }
 
-Evaluation evaluate_shader(const Csv& inputs, const std::string& path, const vm::Program& program, const number::NumberFormat& format) {
+Evaluation evaluate_shader(const Csv& inputs, const std::string& path, const vm::Program& program,
+                           const number::NumberFormat& format) {
   const vm::Executable executable = vm::prepare(program, format);
   const Targets targets = targets_of(program, executable);
   std::vector<std::string> names;

@@ -20,12 +20,16 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
     work.vertex_words = static_cast<double>(pass.vertex_words);
     work.triangles = static_cast<double>(pass.triangles);
     work.rop.push_back({.pixels = static_cast<double>(pass.rop_pixels), .blend = false});
-    if (pass.rop_blended > 0) work.rop.push_back({.pixels = static_cast<double>(pass.rop_blended), .blend = true});
+    if (pass.rop_blended > 0)
+      work.rop.push_back({.pixels = static_cast<double>(pass.rop_blended), .blend = true});
     work.bytes.push_back({"geometry and textures", static_cast<double>(pass.bytes)});
-    // Without eDRAM every colour and depth access goes to memory: 4 bytes each, read and written where blended.
+    // Without eDRAM every colour and depth access goes to memory: 4 bytes each, read and written where
+    // blended.
     if (!gpu.has_edram()) {
-      work.bytes.push_back({"colour", 4.0 * static_cast<double>(pass.rop_pixels) + 8.0 * static_cast<double>(pass.rop_blended)});
-      work.bytes.push_back({"depth", 4.0 * static_cast<double>(pass.pixels) + 4.0 * static_cast<double>(pass.rop_pixels)});
+      work.bytes.push_back({"colour", 4.0 * static_cast<double>(pass.rop_pixels) +
+                                          8.0 * static_cast<double>(pass.rop_blended)});
+      work.bytes.push_back(
+          {"depth", 4.0 * static_cast<double>(pass.pixels) + 4.0 * static_cast<double>(pass.rop_pixels)});
     }
     works.push_back(std::move(work));
   }
@@ -39,7 +43,8 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
   return works;
 }
 
-console::FrameBudget frame_budget(const passes::Frame& frame, const console::GpuModel& gpu, double budget_ms) {
+console::FrameBudget frame_budget(const passes::Frame& frame, const console::GpuModel& gpu,
+                                  double budget_ms) {
   const std::vector<console::PassWork> works = pass_work(frame, gpu);
   return console::price_frame(gpu, works, budget_ms);
 }

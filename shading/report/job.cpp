@@ -27,7 +27,8 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 
 }  // namespace
 
-Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms, int frames) {
+Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms,
+                       int frames) {
   Billed billed;
   billed.name = std::string(brdf::to_string(options.visibility));
   billed.origin = {scene.file, scene.content_hash, options};
@@ -46,7 +47,8 @@ Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& o
 
 void check_image_path(const std::string& path) {
   if (!path.ends_with(".png") && !path.ends_with(".exr"))
-    throw UserError(fmt::format("{}: pictures are written as .png or .exr", path), "give the output a name that ends in .png or .exr");
+    throw UserError(fmt::format("{}: pictures are written as .png or .exr", path),
+                    "give the output a name that ends in .png or .exr");
 }
 
 std::vector<std::uint8_t> encode_picture(const std::string& path, const Billed& billed) {
@@ -57,46 +59,57 @@ std::vector<std::uint8_t> encode_picture(const std::string& path, const Billed& 
     channels[c].resize(frame.pixel_count());
     for (std::size_t i = 0; i < channels[c].size(); ++i) channels[c][i] = frame.linear[i * 4 + c];
   }
-  const host::ExrLayer layers[] = {{"R", channels[0]}, {"G", channels[1]}, {"B", channels[2]}, {"A", channels[3]}};
+  const host::ExrLayer layers[] = {
+      {"R", channels[0]}, {"G", channels[1]}, {"B", channels[2]}, {"A", channels[3]}};
   return host::encode_exr(frame.width, frame.height, layers, metadata(billed));
 }
 
 std::vector<std::uint8_t> encode_cost_layers(const Billed& billed) {
   const passes::Frame& frame = billed.frame;
   std::vector<float> depth(frame.depth_d24.size());
-  for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = static_cast<float>(frame.depth_d24[i]) / 16777215.0f;
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    depth[i] = static_cast<float>(frame.depth_d24[i]) / 16777215.0f;
   const passes::CostPlanes& cost = frame.cost;
   const auto layer = [](const char* name, const std::vector<std::uint32_t>& values) {
     return host::ExrLayer{name, std::span<const std::uint32_t>(values)};
   };
-  const host::ExrLayer layers[] = {layer("cost.alu_words", cost.alu_words), layer("cost.alu_slots", cost.alu_slots),
-                                   layer("cost.fetches", cost.fetches),     layer("cost.fetch_cyc", cost.fetch_cyc),
-                                   layer("cost.overdraw", cost.overdraw),   layer("cost.helpers", cost.helpers),
-                                   layer("cost.path", cost.path),           {"depth.Z", std::span<const float>(depth)}};
+  const host::ExrLayer layers[] = {
+      layer("cost.alu_words", cost.alu_words), layer("cost.alu_slots", cost.alu_slots),
+      layer("cost.fetches", cost.fetches),     layer("cost.fetch_cyc", cost.fetch_cyc),
+      layer("cost.overdraw", cost.overdraw),   layer("cost.helpers", cost.helpers),
+      layer("cost.path", cost.path),           {"depth.Z", std::span<const float>(depth)}};
   return host::encode_exr(frame.width, frame.height, layers, metadata(billed));
 }
 
 std::vector<std::string> comparison_file_names() {
-  return {"a.png", "b.png", "difference.png", "cost_a.png", "cost_b.png", "cost_difference.png", "cost_a.exr", "cost_b.exr", "compare.json"};
+  return {"a.png",      "b.png",      "difference.png", "cost_a.png", "cost_b.png", "cost_difference.png",
+          "cost_a.exr", "cost_b.exr", "compare.json"};
 }
 
-std::vector<ComparisonFile> comparison_files(const Billed& a, const Billed& b, const ImageDifference& difference) {
+std::vector<ComparisonFile> comparison_files(const Billed& a, const Billed& b,
+                                             const ImageDifference& difference) {
   const int width = a.frame.width, height = a.frame.height;
   const auto& words_a = a.frame.cost.alu_words;
   const auto& words_b = b.frame.cost.alu_words;
-  // One scale for both, so that the two maps can be laid side by side; the dearest percent is clipped, else a few pixels
-  // of sliver triangles would leave the rest in one colour. The legend counts them.
-  const std::uint32_t scale = std::max(distribution(words_a, a.frame.covered).p99, distribution(words_b, b.frame.covered).p99);
+  // One scale for both, so that the two maps can be laid side by side; the dearest percent is clipped, else a
+  // few pixels of sliver triangles would leave the rest in one colour. The legend counts them.
+  const std::uint32_t scale =
+      std::max(distribution(words_a, a.frame.covered).p99, distribution(words_b, b.frame.covered).p99);
   const int gain = difference.p99_step > 0 ? std::max(1, 255 / difference.p99_step) : 1;
   const std::string unit = fmt::format("ALU words per pixel on {}", a.gpu.name);
   std::vector<ComparisonFile> files;
   files.push_back({"a.png", encode_picture("a.png", a)});
   files.push_back({"b.png", encode_picture("b.png", b)});
-  files.push_back({"difference.png", host::encode_png(difference_image(width, height, a.frame.rgba8, b.frame.rgba8, gain),
-                                                      {{"aluminate:gain", fmt::format("{}", gain)}})});
-  files.push_back({"cost_a.png", host::encode_png(heat_map(width, height, words_a, scale, unit + ", " + a.name))});
-  files.push_back({"cost_b.png", host::encode_png(heat_map(width, height, words_b, scale, unit + ", " + b.name))});
-  files.push_back({"cost_difference.png", host::encode_png(difference_heat_map(width, height, words_a, words_b, unit + fmt::format(", {} - {}", b.name, a.name)))});
+  files.push_back(
+      {"difference.png", host::encode_png(difference_image(width, height, a.frame.rgba8, b.frame.rgba8, gain),
+                                          {{"aluminate:gain", fmt::format("{}", gain)}})});
+  files.push_back(
+      {"cost_a.png", host::encode_png(heat_map(width, height, words_a, scale, unit + ", " + a.name))});
+  files.push_back(
+      {"cost_b.png", host::encode_png(heat_map(width, height, words_b, scale, unit + ", " + b.name))});
+  files.push_back({"cost_difference.png",
+                   host::encode_png(difference_heat_map(width, height, words_a, words_b,
+                                                        unit + fmt::format(", {} - {}", b.name, a.name)))});
   files.push_back({"cost_a.exr", encode_cost_layers(a)});
   files.push_back({"cost_b.exr", encode_cost_layers(b)});
   files.push_back({"compare.json", bytes_of(compare_json(a, b, difference))});

@@ -56,7 +56,8 @@ SelfTest self_test() {
 #else
                           "g++ " __VERSION__,
 #endif
-                          host::thread_count(), host::text_available() ? "font found" : "no font: legends have no text");
+                          host::thread_count(),
+                          host::text_available() ? "font found" : "no font: legends have no text");
   const scenes::Scene scene = bowl();
   passes::FrameOptions options;
   options.width = 160;
@@ -68,10 +69,12 @@ SelfTest self_test() {
     const std::string hash = image_hash(passes::render_frame(scene, options));
     const bool same = hash == kExpectedHash;
     test.passed &= same;
-    test.text += fmt::format("self-test  {}  {} thread{}  {}\n", hash, count, count == 1 ? "" : "s", same ? "ok" : fmt::format("DIFFERS from {}", kExpectedHash));
+    test.text += fmt::format("self-test  {}  {} thread{}  {}\n", hash, count, count == 1 ? "" : "s",
+                             same ? "ok" : fmt::format("DIFFERS from {}", kExpectedHash));
   }
   host::set_thread_count(threads);
-  test.text += test.passed ? "this machine gives the bits it should\n" : "results on this machine differ from the release: do not accept goldens here\n";
+  test.text += test.passed ? "this machine gives the bits it should\n"
+                           : "results on this machine differ from the release: do not accept goldens here\n";
   return test;
 }
 

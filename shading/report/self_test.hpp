@@ -1,5 +1,5 @@
-// Whether this build on this machine gives the bits every build must give: a small fixed picture rendered with each
-// thread count, and its hash held against the one recorded for this version.
+// Whether this build on this machine gives the bits every build must give: a small fixed picture rendered
+// with each thread count, and its hash held against the one recorded for this version.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace aluminate::report {
 
 struct SelfTest {
   bool passed = false;
-  std::string text;   // lines for people: versions, CPU, threads, hashes
+  std::string text;  // lines for people: versions, CPU, threads, hashes
 };
 
 SelfTest self_test();

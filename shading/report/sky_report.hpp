@@ -9,7 +9,8 @@
 
 namespace aluminate::report {
 
-/// Columns sun_zenith_deg,view_zenith_deg,azimuth_from_sun_deg in any order; adds L_over_L_zenith,L_over_L_sun.
+/// Columns sun_zenith_deg,view_zenith_deg,azimuth_from_sun_deg in any order; adds
+/// L_over_L_zenith,L_over_L_sun.
 std::string sky_table(const Csv& inputs, const std::string& path, const sky::CieParameters& parameters);
 
 /// A sky for `sky sh9` and `sky dome`: the sun at (sin Zs, 0, cos Zs), z up.

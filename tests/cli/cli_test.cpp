@@ -21,7 +21,8 @@ const std::string kWall = std::string(ALUMINATE_SOURCE_DIR) + "/scenes/samples/m
 class Cli : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("aluminate_cli_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ = fs::temp_directory_path() /
+              ("aluminate_cli_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -31,7 +32,8 @@ class Cli : public testing::Test {
   void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(folder_))
+      names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
   }
@@ -42,7 +44,8 @@ class Cli : public testing::Test {
     return text.str();
   }
 
-  // Exit 2, one line that begins with the program's name and says `what`, nothing on stdout, nothing left behind.
+  // Exit 2, one line that begins with the program's name and says `what`, nothing on stdout, nothing left
+  // behind.
   void expect_user_error(const std::vector<std::string>& arguments, const std::string& what) {
     const std::vector<std::string> before = files();
     const Finished run = run_program(arguments);
@@ -61,7 +64,8 @@ TEST_F(Cli, MistypedOptionsGetASuggestion) {
   expect_user_error({"render", kWall, "-o", path("a.png"), "--visibilty", "cheap"}, "--visibility");
   expect_user_error({"render", kWall, "-o", path("a.png"), "--visibility", "cheep"}, "cheap");
   expect_user_error({"rendr", kWall}, "render");
-  expect_user_error({"compare", kWall, "--a", "visibilty=cheap", "--b", "visibility=none", "-o", path("out")}, "visibility");
+  expect_user_error({"compare", kWall, "--a", "visibilty=cheap", "--b", "visibility=none", "-o", path("out")},
+                    "visibility");
   expect_user_error({"render", kWall, "-o", path("a.png"), "--platform", "xeno"}, "xenos");
   expect_user_error({"render", kWall, "-o", path("a.png"), "--number", "fx99"}, "fx31");
   expect_user_error({"render", kWall, "-o", path("a.png"), "--no-skip", "facign"}, "facing");
@@ -101,13 +105,16 @@ TEST_F(Cli, UnwritableOutputsFailBeforeAnyWork) {
 }
 
 TEST_F(Cli, RenderWritesPictureLayersAndJson) {
-  const Finished run = run_program({"render", kWall, "-o", path("a.png"), "--cost", path("cost.exr"), "--json", path("a.json"), "--size", "96x54"});
+  const Finished run = run_program({"render", kWall, "-o", path("a.png"), "--cost", path("cost.exr"),
+                                    "--json", path("a.json"), "--size", "96x54"});
   ASSERT_EQ(run.code, 0) << run.error;
   EXPECT_EQ(files(), (std::vector<std::string>{"a.json", "a.png", "cost.exr"}));
   const auto json = nlohmann::json::parse(read(path("a.json")));
   EXPECT_EQ(json["image"]["width"], 96);
   EXPECT_EQ(json["image"]["hash"].get<std::string>().size(), 32u);
-  for (const char* key : {"schema", "tool", "command", "inputs", "image", "timing", "cost", "per_pixel", "skipped", "saturations"}) EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"schema", "tool", "command", "inputs", "image", "timing", "cost", "per_pixel",
+                          "skipped", "saturations"})
+    EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_GT(json["cost"]["passes"][0]["alu_words"].get<double>(), 0);
   EXPECT_GT(json["per_pixel"]["alu_words"]["mean"].get<double>(), 0);
 }
@@ -115,7 +122,8 @@ TEST_F(Cli, RenderWritesPictureLayersAndJson) {
 TEST_F(Cli, ThreadsNeverChangeAByte) {
   std::string image, layers, json;
   for (const char* threads : {"1", "2", "3", "7"}) {
-    const Finished run = run_program({"render", kWall, "-o", path("a.png"), "--cost", path("cost.exr"), "--json", path("a.json"), "--size", "200x113", "--threads", threads});
+    const Finished run = run_program({"render", kWall, "-o", path("a.png"), "--cost", path("cost.exr"),
+                                      "--json", path("a.json"), "--size", "200x113", "--threads", threads});
     ASSERT_EQ(run.code, 0) << run.error;
     auto document = nlohmann::ordered_json::parse(read(path("a.json")));
     document.erase("timing");
@@ -131,24 +139,31 @@ TEST_F(Cli, ThreadsNeverChangeAByte) {
 }
 
 TEST_F(Cli, CompareWritesEveryFileAndSaysHelpedOrHurt) {
-  const Finished helped = run_program({"compare", kWall, "--a", "visibility=schlick-smith", "--b", "visibility=cheap", "--lights", "rig:4", "--size", "96x54", "-o", path("out")});
+  const Finished helped =
+      run_program({"compare", kWall, "--a", "visibility=schlick-smith", "--b", "visibility=cheap", "--lights",
+                   "rig:4", "--size", "96x54", "-o", path("out")});
   ASSERT_EQ(helped.code, 0) << helped.error;
-  for (const char* name : {"a.png", "b.png", "difference.png", "cost_a.png", "cost_b.png", "cost_difference.png", "cost_a.exr", "cost_b.exr", "compare.json"})
+  for (const char* name : {"a.png", "b.png", "difference.png", "cost_a.png", "cost_b.png",
+                           "cost_difference.png", "cost_a.exr", "cost_b.exr", "compare.json"})
     EXPECT_TRUE(fs::exists(path(std::string("out/") + name))) << name;
   EXPECT_THAT(helped.out, HasSubstr("helped"));
   EXPECT_THAT(helped.out, HasSubstr("ps_3_0 slots"));
-  const Finished hurt = run_program({"compare", kWall, "--a", "visibility=cheap", "--b", "visibility=schlick-smith", "--lights", "rig:4", "--size", "96x54", "-o", path("out2")});
+  const Finished hurt =
+      run_program({"compare", kWall, "--a", "visibility=cheap", "--b", "visibility=schlick-smith", "--lights",
+                   "rig:4", "--size", "96x54", "-o", path("out2")});
   EXPECT_EQ(hurt.code, 1);
   EXPECT_THAT(hurt.out, HasSubstr("HURT"));
   // The same picture on both sides: nothing helped, nothing hurt, no differing pixel.
-  const Finished same = run_program({"compare", kWall, "--a", "visibility=none", "--b", "visibility=none", "--size", "96x54", "-o", path("out3")});
+  const Finished same = run_program({"compare", kWall, "--a", "visibility=none", "--b", "visibility=none",
+                                     "--size", "96x54", "-o", path("out3")});
   EXPECT_EQ(same.code, 0);
   EXPECT_THAT(same.out, HasSubstr("equal"));
 }
 
 TEST_F(Cli, DiffSaysEqualOrDifferent) {
   ASSERT_EQ(run_program({"render", kWall, "-o", path("a.png"), "--size", "64x36"}).code, 0);
-  ASSERT_EQ(run_program({"render", kWall, "-o", path("b.png"), "--size", "64x36", "--visibility", "none"}).code, 0);
+  ASSERT_EQ(
+      run_program({"render", kWall, "-o", path("b.png"), "--size", "64x36", "--visibility", "none"}).code, 0);
   EXPECT_EQ(run_program({"diff", path("a.png"), path("a.png")}).code, 0);
   const Finished different = run_program({"diff", path("a.png"), path("b.png"), "-o", path("d.png")});
   EXPECT_EQ(different.code, 1);
@@ -158,19 +173,28 @@ TEST_F(Cli, DiffSaysEqualOrDifferent) {
 }
 
 TEST_F(Cli, InterruptLeavesNothingBehind) {
-  const Finished run = run_program({"render", kWall, "-o", path("a.png"), "--json", path("a.json"), "--size", "6000x4000", "--lights", "rig:32"}, "", 700);
+  const Finished run = run_program({"render", kWall, "-o", path("a.png"), "--json", path("a.json"), "--size",
+                                    "6000x4000", "--lights", "rig:32"},
+                                   "", 700);
   EXPECT_EQ(run.code, 130) << run.error;
   EXPECT_TRUE(files().empty());
 }
 
 TEST_F(Cli, BudgetDecidesTheExitCodeOnlyWhenAskedFor) {
-  EXPECT_EQ(run_program({"render", kWall, "-o", path("a.png"), "--size", "64x36", "--budget", "33.3"}).code, 0);
-  EXPECT_EQ(run_program({"render", kWall, "-o", path("a.png"), "--size", "64x36", "--budget", "0.0001"}).code, 1);
+  EXPECT_EQ(run_program({"render", kWall, "-o", path("a.png"), "--size", "64x36", "--budget", "33.3"}).code,
+            0);
+  EXPECT_EQ(run_program({"render", kWall, "-o", path("a.png"), "--size", "64x36", "--budget", "0.0001"}).code,
+            1);
 }
 
 TEST_F(Cli, SkipsChangeNeitherPictureNorBill) {
-  ASSERT_EQ(run_program({"render", kWall, "-o", path("a.png"), "--json", path("a.json"), "--size", "96x54"}).code, 0);
-  ASSERT_EQ(run_program({"render", kWall, "-o", path("b.png"), "--json", path("b.json"), "--size", "96x54", "--no-skip", "all"}).code, 0);
+  ASSERT_EQ(
+      run_program({"render", kWall, "-o", path("a.png"), "--json", path("a.json"), "--size", "96x54"}).code,
+      0);
+  ASSERT_EQ(run_program({"render", kWall, "-o", path("b.png"), "--json", path("b.json"), "--size", "96x54",
+                         "--no-skip", "all"})
+                .code,
+            0);
   const auto a = nlohmann::json::parse(read(path("a.json"))), b = nlohmann::json::parse(read(path("b.json")));
   EXPECT_EQ(a["image"], b["image"]);
   EXPECT_EQ(a["cost"], b["cost"]);
@@ -195,7 +219,8 @@ TEST_F(Cli, DoctorKnowsThisMachine) {
 }
 
 TEST_F(Cli, EveryCommandExplainsItself) {
-  for (const char* command : {"render", "compare", "cost", "pixel", "eval", "platform", "scene", "diff", "doctor"}) {
+  for (const char* command :
+       {"render", "compare", "cost", "pixel", "eval", "platform", "scene", "diff", "doctor"}) {
     const Finished run = run_program({command, "--help"});
     EXPECT_EQ(run.code, 0) << command;
     EXPECT_THAT(run.out, HasSubstr(command));

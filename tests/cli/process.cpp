@@ -29,7 +29,8 @@ std::string temporary() {
 
 }  // namespace
 
-Finished run_program(const std::vector<std::string>& arguments, const std::string& working_directory, int interrupt_after_ms) {
+Finished run_program(const std::vector<std::string>& arguments, const std::string& working_directory,
+                     int interrupt_after_ms) {
   const std::string out = temporary(), error = temporary();
   std::vector<std::string> words = {ALUMINATE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());

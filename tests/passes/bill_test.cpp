@@ -18,7 +18,9 @@ FrameOptions small(int width, int height) {
   return options;
 }
 
-std::uint64_t sum(const std::vector<std::uint32_t>& plane) { return std::accumulate(plane.begin(), plane.end(), std::uint64_t{0}); }
+std::uint64_t sum(const std::vector<std::uint32_t>& plane) {
+  return std::accumulate(plane.begin(), plane.end(), std::uint64_t{0});
+}
 
 // The bill adds up: over pixels = over passes, for every counter.
 void expect_sums(const Frame& frame, const std::string& what) {
@@ -49,7 +51,8 @@ TEST(Bill, PixelsSumToPassesOnEverySceneAndPlatform) {
       options.platform = platform;
       expect_sums(render_frame(test::sample_scene(name), options), std::string(name) + " on " + platform);
       options.tonemap = Tonemap::Filmic;
-      expect_sums(render_frame(test::sample_scene(name), options), std::string(name) + " with a resolve pass");
+      expect_sums(render_frame(test::sample_scene(name), options),
+                  std::string(name) + " with a resolve pass");
     }
 }
 
@@ -57,10 +60,12 @@ TEST(Bill, ShadersThatBranchOnDataAreBilledAsExecuted) {
   const std::string path = testing::TempDir() + "branchy.hlsl";
   FILE* file = fopen(path.c_str(), "w");
   ASSERT_NE(file, nullptr);
-  fputs("float4 main(float3 p : TEXCOORD0, float3 n : TEXCOORD1) : COLOR0 {\n"
-        "  float3 c = n * 0.5 + 0.5;\n"
-        "  [branch] if (p.x > 0) { float k = p.y; for (int i = 0; i < 3; ++i) k = exp2(sin(k)); c *= k; }\n"
-        "  return float4(c, 1);\n}\n", file);
+  fputs(
+      "float4 main(float3 p : TEXCOORD0, float3 n : TEXCOORD1) : COLOR0 {\n"
+      "  float3 c = n * 0.5 + 0.5;\n"
+      "  [branch] if (p.x > 0) { float k = p.y; for (int i = 0; i < 3; ++i) k = exp2(sin(k)); c *= k; }\n"
+      "  return float4(c, 1);\n}\n",
+      file);
   fclose(file);
   FrameOptions options = small(96, 54);
   options.shader = path;

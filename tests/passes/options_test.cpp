@@ -7,10 +7,23 @@ namespace aluminate::passes {
 namespace {
 
 TEST(Options, EveryListedNameCanBeSet) {
-  const std::vector<std::pair<std::string, std::string>> examples = {
-      {"size", "64x48"}, {"camera", "inside"}, {"lights", "rig:3"}, {"ambient", "flat:0.1"}, {"background", "0,0.5,1"}, {"pipeline", "forward"},
-      {"visibility", "cheap"}, {"fresnel", "sg"}, {"tonemap", "reinhard"}, {"number", "fx28"}, {"platform", "rsx"}, {"shader", "a.hlsl"},
-      {"light-loop", "rolled"}, {"vm", "interpreter"}, {"no-skip", "facing"}, {"checked", "true"}, {"D", "A=1"}};
+  const std::vector<std::pair<std::string, std::string>> examples = {{"size", "64x48"},
+                                                                     {"camera", "inside"},
+                                                                     {"lights", "rig:3"},
+                                                                     {"ambient", "flat:0.1"},
+                                                                     {"background", "0,0.5,1"},
+                                                                     {"pipeline", "forward"},
+                                                                     {"visibility", "cheap"},
+                                                                     {"fresnel", "sg"},
+                                                                     {"tonemap", "reinhard"},
+                                                                     {"number", "fx28"},
+                                                                     {"platform", "rsx"},
+                                                                     {"shader", "a.hlsl"},
+                                                                     {"light-loop", "rolled"},
+                                                                     {"vm", "interpreter"},
+                                                                     {"no-skip", "facing"},
+                                                                     {"checked", "true"},
+                                                                     {"D", "A=1"}};
   ASSERT_EQ(examples.size(), option_table().size());
   for (std::size_t i = 0; i < examples.size(); ++i) {
     EXPECT_EQ(option_table()[i].name, examples[i].first);
@@ -29,8 +42,9 @@ TEST(Options, AssignmentsMayHoldCommasInTheirValues) {
 
 TEST(Options, NonsenseIsRefused) {
   FrameOptions options;
-  for (const char* text : {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000", "ambient=flat:nan", "ambient=flat:-1", "lights=rig:2.5",
-                           "background=2,0,0", "D=1A", "number=fx", "no-skip=everything", "nothing=1", "checked=maybe"})
+  for (const char* text : {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000",
+                           "ambient=flat:nan", "ambient=flat:-1", "lights=rig:2.5", "background=2,0,0",
+                           "D=1A", "number=fx", "no-skip=everything", "nothing=1", "checked=maybe"})
     EXPECT_THROW(set_options(options, text), UserError) << text;
 }
 

@@ -1,5 +1,6 @@
-// The picture against the double-precision reference: every visible opaque pixel is shaded a second time from the same
-// interpolated inputs and texels by shading/brdf in binary64 with libm, and may differ by one 8-bit step at most.
+// The picture against the double-precision reference: every visible opaque pixel is shaded a second time from
+// the same interpolated inputs and texels by shading/brdf in binary64 with libm, and may differ by one 8-bit
+// step at most.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,23 +46,28 @@ Texels fetch_map(const PreparedFrame& prepared, const DrawState& draw, const Map
   vm::FetchRequest request;
   request.rows = {u.data(), v.data()};
   request.exec = request.covered = ~std::uint64_t{0};
-  vm::fetch_reference({prepared.list.textures.find(slot.image, map.srgb), sampler_state(slot.sampler)}, request, false,
-                      number::parse_number_format("fx31")->unit_grid(), {texels.rows[0].data(), texels.rows[1].data(), texels.rows[2].data(), texels.rows[3].data()});
+  vm::fetch_reference(
+      {prepared.list.textures.find(slot.image, map.srgb), sampler_state(slot.sampler)}, request, false,
+      number::parse_number_format("fx31")->unit_grid(),
+      {texels.rows[0].data(), texels.rows[1].data(), texels.rows[2].data(), texels.rows[3].data()});
   return texels;
 }
 
 class ReferenceShader {
  public:
-  ReferenceShader(const PreparedFrame& prepared, const FrameOptions& options) : prepared_(prepared), options_(options) {}
+  ReferenceShader(const PreparedFrame& prepared, const FrameOptions& options)
+      : prepared_(prepared), options_(options) {}
 
   // Linear radiance of the covered lanes of one batch.
   std::array<glm::dvec3, 64> shade(const DrawState& draw, const Rows& rows) const {
     const scenes::Material& material = *draw.material;
     std::array<Texels, kMapCount> texels;
     for (int map = 0; map < kMapCount; ++map)
-      if ((material.*kMaps[map].slot).present()) texels[static_cast<std::size_t>(map)] = fetch_map(prepared_, draw, kMaps[map], rows);
+      if ((material.*kMaps[map].slot).present())
+        texels[static_cast<std::size_t>(map)] = fetch_map(prepared_, draw, kMaps[map], rows);
     std::array<glm::dvec3, 64> colors;
-    for (int lane = 0; lane < 64; ++lane) colors[static_cast<std::size_t>(lane)] = shade_lane(draw, rows, texels, lane);
+    for (int lane = 0; lane < 64; ++lane)
+      colors[static_cast<std::size_t>(lane)] = shade_lane(draw, rows, texels, lane);
     return colors;
   }
 
@@ -70,11 +76,17 @@ class ReferenceShader {
     return {rows.at(semantic + ".x")[lane], rows.at(semantic + ".y")[lane], rows.at(semantic + ".z")[lane]};
   }
 
-  glm::dvec3 shade_lane(const DrawState& draw, const Rows& rows, const std::array<Texels, kMapCount>& texels, int lane) const {
+  glm::dvec3 shade_lane(const DrawState& draw, const Rows& rows, const std::array<Texels, kMapCount>& texels,
+                        int lane) const {
     const scenes::Material& material = *draw.material;
-    const auto texel = [&](int map) { return (material.*kMaps[map].slot).present() ? texels[static_cast<std::size_t>(map)].at(lane) : glm::dvec4(1.0); };
+    const auto texel = [&](int map) {
+      return (material.*kMaps[map].slot).present() ? texels[static_cast<std::size_t>(map)].at(lane)
+                                                   : glm::dvec4(1.0);
+    };
     glm::dvec4 base = material.base_color * texel(kBaseColorMap);
-    if (rows.contains("COLOR0.x")) base *= glm::dvec4(vec3(rows, "COLOR0", lane), rows.contains("COLOR0.w") ? rows.at("COLOR0.w")[lane] : 1.0);
+    if (rows.contains("COLOR0.x"))
+      base *=
+          glm::dvec4(vec3(rows, "COLOR0", lane), rows.contains("COLOR0.w") ? rows.at("COLOR0.w")[lane] : 1.0);
     if (material.unlit) return glm::dvec3(base);
 
     brdf::SurfacePoint surface;
@@ -93,9 +105,12 @@ class ReferenceShader {
 
     const glm::dvec4 mr = texel(kMetallicRoughnessMap);
     const glm::dvec4 sg = texel(kSpecularGlossinessMap);
-    const brdf::Reflectance reflectance = material.workflow == scenes::Workflow::SpecularGlossiness
-        ? brdf::from_specular_glossiness(glm::dvec3(base), material.specular * glm::dvec3(sg), material.glossiness * sg.a)
-        : brdf::from_metallic_roughness(glm::dvec3(base), material.metallic * mr.b, material.roughness * mr.g);
+    const brdf::Reflectance reflectance =
+        material.workflow == scenes::Workflow::SpecularGlossiness
+            ? brdf::from_specular_glossiness(glm::dvec3(base), material.specular * glm::dvec3(sg),
+                                             material.glossiness * sg.a)
+            : brdf::from_metallic_roughness(glm::dvec3(base), material.metallic * mr.b,
+                                            material.roughness * mr.g);
     surface.cdiff = reflectance.cdiff;
     surface.cspec = reflectance.cspec;
     surface.m = reflectance.m;
@@ -112,7 +127,8 @@ class ReferenceShader {
       const double att = brdf::clamped(1.0 - reach * reach) * cone * cone / (light.k0 + d2 * light.k1);
       lights.push_back({l, light.color * att});
     }
-    return brdf::outgoing_radiance(surface, lights, {options_.visibility, options_.fresnel}, glm::dvec3(options_.ambient_value));
+    return brdf::outgoing_radiance(surface, lights, {options_.visibility, options_.fresnel},
+                                   glm::dvec3(options_.ambient_value));
   }
 
   const PreparedFrame& prepared_;
@@ -142,18 +158,21 @@ Agreement compare_with_reference(const scenes::Scene& scene, const FrameOptions&
       std::vector<raster::QuadPosition> quads;
       std::uint64_t covered = 0;
       const std::uint32_t draw_index = visible[first].draw;
-      while (quads.size() < raster::kBatchQuads && first < visible.size() && visible[first].draw == draw_index) {
+      while (quads.size() < raster::kBatchQuads && first < visible.size() &&
+             visible[first].draw == draw_index) {
         covered |= std::uint64_t{visible[first].lanes} << 4 * quads.size();
         quads.push_back({visible[first].triangle, visible[first].x, visible[first].y});
         ++first;
       }
       const DrawState& draw = prepared.list.draws[draw_index];
-      const PixelProgram& program = prepared.list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
+      const PixelProgram& program =
+          prepared.list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
       shader.run({draw_index, quads, covered, nullptr});
       Rows rows;
       const auto inputs = program.executable.inputs();
       for (std::size_t row = 0; row < inputs.size(); ++row)
-        rows[program.program.inputs[inputs[row].index].semantic + "." + "xyzw"[inputs[row].component]] = shader.input_row(row);
+        rows[program.program.inputs[inputs[row].index].semantic + "." + "xyzw"[inputs[row].component]] =
+            shader.input_row(row);
       const std::array<glm::dvec3, 64> expected = reference.shade(draw, rows);
       for (int lane = 0; lane < 64; ++lane) {
         if ((covered >> lane & 1) == 0) continue;
@@ -186,11 +205,14 @@ TEST(ReferenceShading, EveryPixelOfTheSamplesWithinOneStep) {
   for (const char* name : {"material_wall", "grazing_floor", "beach_hut"})
     for (const auto& visibility : brdf::kVisibilityTerms)
       for (const auto& fresnel : brdf::kFresnelTerms) {
-        const Agreement agreement = compare_with_reference(test::sample_scene(name), variant(visibility.id, fresnel.id, 160, 90));
+        const Agreement agreement =
+            compare_with_reference(test::sample_scene(name), variant(visibility.id, fresnel.id, 160, 90));
         EXPECT_GT(agreement.pixels, 1000u) << name;
-        EXPECT_EQ(agreement.worse, 0u) << name << " " << visibility.name << " " << fresnel.name << ", worst " << agreement.worst << " steps";
+        EXPECT_EQ(agreement.worse, 0u) << name << " " << visibility.name << " " << fresnel.name << ", worst "
+                                       << agreement.worst << " steps";
         // A rounding that lands on the other side is rare: formats err by 1e-6, a step is 1/255.
-        EXPECT_LT(static_cast<double>(agreement.off_by_one), 1e-3 * static_cast<double>(agreement.pixels) + 2) << name;
+        EXPECT_LT(static_cast<double>(agreement.off_by_one), 1e-3 * static_cast<double>(agreement.pixels) + 2)
+            << name;
       }
 }
 
