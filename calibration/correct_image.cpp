@@ -125,7 +125,7 @@ std::vector<std::uint8_t> encode_corrected(const Photo& photo, const std::string
   const std::vector<std::uint16_t> codes =
       is_srgb ? codes_of<std::uint16_t>(photo, [&](float v) { return srgb.code16(v); })
               : codes_of<std::uint16_t>(photo, [](float v) { return static_cast<std::uint16_t>(std::min(v, 1.0f) * 65535.0f + 0.5f); });
-  return host::encode_rgb16(container == Container::Png ? host::Codes16As::Png : host::Codes16As::Tiff, photo.width, photo.height, codes, is_srgb, metadata);
+  return container == Container::Png ? host::encode_png16(photo.width, photo.height, codes, is_srgb, metadata) : host::encode_tiff16(photo.width, photo.height, codes);
 }
 
 }  // namespace aluminate::calibration

@@ -163,7 +163,7 @@ void search_grids(Search& search) {
 double sharpest_edges_px(const Photo& photo) {
   const SmallPicture picture = scaled_picture(photo, std::min(1.0, 700.0 / std::max(photo.width, photo.height)));
   std::vector<double> widths;
-  constexpr int kReach = 12;
+  constexpr int kReach = 40;  // an edge wider than twice this is none
   for (int y = kReach; y + kReach < picture.height; y += 3)
     for (int x = kReach; x + kReach < picture.width; x += 3) {
       double slope = 0.0, low = 1e9, high = -1e9;

@@ -57,9 +57,10 @@ using ImageMetadata = std::vector<std::pair<std::string, std::string>>;
 std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata = {});
 
 /// width*height*3 codes of 16 bits, interleaved.
-enum class Codes16As { Png, Tiff };
-std::vector<std::uint8_t> encode_rgb16(Codes16As format, int width, int height, std::span<const std::uint16_t> codes, bool is_srgb,
+std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes, bool is_srgb,
                                        const ImageMetadata& metadata = {});
+/// Uncompressed baseline TIFF [TIFF6], one strip. At most 4 GiB.
+std::vector<std::uint8_t> encode_tiff16(int width, int height, std::span<const std::uint16_t> codes);
 
 /// One EXR channel: width*height values, row-major. Names are file-level: "R", "cost.alu_words", "depth.Z".
 struct ExrLayer {

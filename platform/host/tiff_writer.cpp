@@ -1,0 +1,65 @@
+// A TIFF of one uncompressed strip is its samples behind 200 bytes of header: written here, because large photographs
+// should cost no more than a copy.
+#include <bit>
+#include <cstring>
+
+#include "platform/host/error.hpp"
+#include "platform/host/image_file.hpp"
+
+namespace aluminate::host {
+namespace {
+
+enum TiffType : std::uint16_t { kShort = 3, kLong = 4 };
+
+struct TiffEntry {
+  std::uint16_t tag;
+  TiffType type;
+  std::uint32_t count, value;  // value: an offset when it does not fit into four bytes
+};
+
+void put(std::vector<std::uint8_t>& bytes, std::uint32_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_tiff16(int width, int height, std::span<const std::uint16_t> codes) {
+  static_assert(std::endian::native == std::endian::little, "samples are copied as they lie in memory");
+  ALU_CHECK(width > 0 && height > 0 && codes.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+            "{} x {}, {} codes", width, height, codes.size());
+  ALU_CHECK(codes.size_bytes() < (std::size_t{1} << 32) - 256, "{} bytes do not fit a TIFF", codes.size_bytes());
+  constexpr std::uint32_t kEntries = 10, kDirectory = 8, kBitsAt = kDirectory + 2 + 12 * kEntries + 4, kStripAt = kBitsAt + 6 + 4;
+  static_assert(kStripAt % 4 == 0);
+  const std::uint32_t rows = static_cast<std::uint32_t>(height), bytes_in_strip = static_cast<std::uint32_t>(codes.size_bytes());
+  const TiffEntry entries[kEntries] = {{256, kLong, 1, static_cast<std::uint32_t>(width)},
+                                       {257, kLong, 1, rows},
+                                       {258, kShort, 3, kBitsAt},      // bits a sample
+                                       {259, kShort, 1, 1},            // not compressed
+                                       {262, kShort, 1, 2},            // RGB
+                                       {273, kLong, 1, kStripAt},
+                                       {277, kShort, 1, 3},            // samples a pixel
+                                       {278, kLong, 1, rows},
+                                       {279, kLong, 1, bytes_in_strip},
+                                       {284, kShort, 1, 1}};           // interleaved
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(kStripAt + codes.size_bytes());
+  for (const char c : {'I', 'I'}) bytes.push_back(static_cast<std::uint8_t>(c));
+  put(bytes, 42, 2);
+  put(bytes, kDirectory, 4);
+  put(bytes, kEntries, 2);
+  for (const TiffEntry& entry : entries) {
+    put(bytes, entry.tag, 2);
+    put(bytes, entry.type, 2);
+    put(bytes, entry.count, 4);
+    put(bytes, entry.value, 4);  // little-endian: a short stands in the first two of the four bytes
+  }
+  put(bytes, 0, 4);  // no further directory
+  for (int i = 0; i < 3; ++i) put(bytes, 16, 2);
+  put(bytes, 0, 4);
+  ALU_CHECK(bytes.size() == kStripAt, "{} bytes of header", bytes.size());
+  bytes.resize(kStripAt + codes.size_bytes());
+  std::memcpy(bytes.data() + kStripAt, codes.data(), codes.size_bytes());
+  return bytes;
+}
+
+}  // namespace aluminate::host
