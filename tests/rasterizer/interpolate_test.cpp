@@ -212,6 +212,25 @@ TEST_P(EveryVectorUnit, ExtrapolationIsLimitedBeyondTheHorizon) {
   });
 }
 
+TEST_P(EveryVectorUnit, BeyondTheHorizonOnAnEdgeThereIsNoDivisionByZero) {
+  // Lane 2 of the quad at (2, 10) lies half a pixel beyond corner c, where 1/w is negative, on the line of the left edge,
+  // where b1 is 0: unguarded, 0 / 0.
+  OneTriangle t;
+  t.geometry.viewport = {32, 32};
+  const std::uint32_t a = t.geometry.add_pixel_vertex(2.5, 2.5, 0.5, 1), b = t.geometry.add_pixel_vertex(10.5, 2.5, 0.5, 1), c = t.geometry.add_pixel_vertex(2.5, 11, 0.5, 1000);
+  t.geometry.add_triangle(a, b, c);
+  t.draw();
+  bool seen = false;
+  for_each_lane(t, [&](const VisibleQuad& quad, std::size_t lane, double b1, double b2) {
+    ASSERT_TRUE(on_grid(b1) && on_grid(b2));
+    if (quad.x != 2 || quad.y != 10 || lane != 2) return;
+    EXPECT_EQ(b1, 0);
+    EXPECT_EQ(b2, kBarycentricLimit);
+    seen = true;
+  });
+  EXPECT_TRUE(seen);
+}
+
 TEST_P(EveryVectorUnit, CornersKeepTheirSubmittedNumbersInEveryOrderAndWinding) {
   int order[3] = {0, 1, 2};
   const double px[3] = {3, 40, 10}, py[3] = {5, 12, 50};

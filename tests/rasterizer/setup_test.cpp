@@ -1,6 +1,7 @@
 // Set-up: what is dropped, what is counted, how cut edges meet, and that vectors project like the scalar definition.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -60,6 +61,27 @@ TEST(SetUp, SharedCutEdgesGetBitIdenticalCorners) {
     if (edge.count != 0 && l.size() >= 2 && (l[0] != std::array{shared[0].x, shared[0].y, shared[0].z, shared[0].w})) ++cut;
   }
   EXPECT_GT(cut, 100);
+}
+
+TEST(SetUp, CutCornersLieExactlyOnTheDepthPlanes) {
+  std::mt19937 random(23);
+  const ScreenMap map({640, 480});
+  int near = 0, far = 0;
+  for (int i = 0; i < 500; ++i) {
+    ClipCorner v[3];
+    for (ClipCorner& c : v) c = {0, 0, (random() * 0x1p-32 - 0.3) * 1e6, 1 + random() * 0x1p-12, 0, 0};
+    const ClipPolygon polygon = clip_triangle(map, v[0], v[1], v[2]);
+    for (int k = 0; k < polygon.count; ++k) {
+      const ClipCorner& c = polygon.corner[static_cast<std::size_t>(k)];
+      const bool submitted = std::any_of(v, v + 3, [&](const ClipCorner& s) { return s.z == c.z && s.w == c.w; });
+      if (submitted) continue;
+      EXPECT_TRUE(c.z == 0 || c.z == c.w) << c.z << " " << c.w;
+      near += c.z == 0;
+      far += c.z == c.w;
+    }
+  }
+  EXPECT_GT(near, 50);
+  EXPECT_GT(far, 50);
 }
 
 TEST(SetUp, VectorProjectionIsTheScalarOneBitForBit) {

@@ -396,6 +396,21 @@ SuiteCase depth_range(std::uint32_t seed) {
   return test;
 }
 
+/// Triangles of a few subs around pixel centres, cut by the near or far plane: snapping folds some of their fragments over.
+SuiteCase cut_sub_pixel(std::uint32_t seed) {
+  Random random(seed);
+  SuiteCase test = start(random, 32, 32);
+  for (int i = 0; i < 3000; ++i) {
+    const double cx = random.integer(0, 31) + 0.5, cy = random.integer(0, 31) + 0.5;
+    std::uint32_t v[3];
+    for (std::uint32_t& corner : v)
+      corner = test.geometry.add_pixel_vertex(cx + random.real(-5, 5) / 256, cy + random.real(-5, 5) / 256, random.real(-1, 2));
+    test.geometry.add_triangle(v[0], v[1], v[2]);
+  }
+  test.geometry.end_draw(static_cast<CullMode>(random.integer(0, 2)));
+  return test;
+}
+
 SuiteCase interpenetration(std::uint32_t seed) {
   Random random(seed);
   SuiteCase test = start(random, 128, 96);
@@ -480,6 +495,7 @@ constexpr Suite kSuites[] = {
     {"equal-depth", "the first submitted wins", equal_depth},
     {"closed-room", "near plane through a closed box: no background", closed_room},
     {"depth-range", "near and far plane crossings, depth exactly 0 and 1", depth_range},
+    {"cut-sub-pixel", "fragments of a few subs, folded over by snapping", cut_sub_pixel},
     {"interpenetration", "planes that cross at shallow angles", interpenetration},
     {"t-junctions", "corners on a neighbour's edge", t_junctions},
     {"not-finite", "NaN, infinities, overflow, w = 0", not_finite},
