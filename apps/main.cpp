@@ -80,6 +80,7 @@ int run(int argc, char** argv) {
   add_eval(app, session);
   add_platform(app, session);
   add_scene(app, session);
+  add_check(app, session);
   add_diff(app, session);
   add_sky(app, session);
   add_calibrate(app, session);

@@ -51,7 +51,7 @@ THIRD_PARTY = {
     "tiny_gltf.h": ["scenes/gltf/tinygltf.*"],
     "nlohmann/json_fwd.hpp": ["scenes/*", "shading/report/*", "apps/*"],
     "nlohmann/": ["scenes/*.cpp", "scenes/generator/*", "shading/report/*.cpp", "shading/cost/*.cpp", "calibration/*.cpp", *OUTSIDE],
-    "toml++/": ["platform/console/*_file.cpp", "scenes/*.cpp", *OUTSIDE],
+    "toml++/": ["platform/host/toml_text.*", *OUTSIDE],
     "CLI/": ["apps/*", "bench/*", "tests/*"],
     "glm/": ["scenes/*", "shading/brdf/*", "shading/sky/*", "shading/filter/*", "shading/passes/*", "shading/report/*",
              "calibration/*", *OUTSIDE],

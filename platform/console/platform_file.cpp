@@ -3,8 +3,7 @@
 #include "platform/host/error.hpp"
 #include "platform/host/suggest.hpp"
 #include "platform/host/text_table.hpp"
-
-#include <toml++/toml.h>
+#include "platform/host/toml_text.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -16,37 +15,13 @@ namespace {
 constexpr AluModel kAluModels[] = {AluModel::Vec4PlusScalar, AluModel::DualSu, AluModel::Vliw5,
                                    AluModel::ScalarLane, AluModel::MaliWord};
 
-/// "an integer", "a string", ...: what a node is, for messages.
-std::string_view kind_of(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "an array";
-    case toml::node_type::string:
-      return "a string";
-    case toml::node_type::integer:
-      return "an integer";
-    case toml::node_type::floating_point:
-      return "a number";
-    case toml::node_type::boolean:
-      return "a boolean";
-    default:
-      return "a date or time";
-  }
-}
-
 class PlatformReader {
  public:
   PlatformReader(std::string_view text, std::string path) : path_(std::move(path)) {
     model_.path = path_;
-    try {
-      root_ = toml::parse(text, path_);
-    } catch (const toml::parse_error& error) {
-      throw UserError(
-          place(error.source()), std::string("not valid TOML: ") + std::string(error.description()),
-          "each figure looks like: core_mhz = { value = 500, source = \"KEY\", confidence = \"doc\" }");
-    }
+    root_ = host::parse_toml(
+        text, path_,
+        "each figure looks like: core_mhz = { value = 500, source = \"KEY\", confidence = \"doc\" }");
   }
 
   GpuModel read() {
@@ -68,25 +43,11 @@ class PlatformReader {
   }
 
  private:
-  SourcePlace place(const toml::source_region& region) const {
-    return {path_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
-  }
+  SourcePlace place(const toml::source_region& region) const { return host::toml_place(path_, region); }
 
   static std::string shape_hint(const FigureField& field) {
     return fmt::format("[{}] {} = {{ value = N, source = \"KEY\", confidence = \"doc\" }}   # {}, {}",
                        field.table, field.key, field.unit, field.meaning);
-  }
-
-  void refuse_unknown(const toml::table& table, const std::vector<std::string>& known,
-                      const std::string& where) const {
-    for (const auto& [key, node] : table) {
-      bool found = false;
-      for (const std::string& name : known) found = found || name == key.str();
-      if (!found) {
-        throw UserError(place(key.source()), fmt::format("unknown key '{}' in {}", key.str(), where),
-                        host::did_you_mean(key.str(), known));
-      }
-    }
   }
 
   void refuse_unknown_keys() const {
@@ -94,7 +55,7 @@ class PlatformReader {
     for (const FigureField& field : figure_fields()) {
       if (top.back() != field.table) top.emplace_back(field.table);
     }
-    refuse_unknown(root_, top, "a platform file");
+    host::refuse_unknown_keys(root_, top, "a platform file", path_);
     for (const auto& [key, node] : root_) {
       std::vector<std::string> known;
       for (const FigureField& field : figure_fields()) {
@@ -103,9 +64,9 @@ class PlatformReader {
       if (known.empty()) continue;
       if (!node.is_table()) {
         throw UserError(place(node.source()),
-                        fmt::format("[{}] must be a table, found {}", key.str(), kind_of(node)));
+                        fmt::format("[{}] must be a table, found {}", key.str(), host::toml_kind(node)));
       }
-      refuse_unknown(*node.as_table(), known, fmt::format("[{}]", key.str()));
+      host::refuse_unknown_keys(*node.as_table(), known, fmt::format("[{}]", key.str()), path_);
     }
   }
 
@@ -119,7 +80,7 @@ class PlatformReader {
     const toml::node& node = need(table, key, fmt::format("add {} = \"...\"", key));
     if (!node.is_string()) {
       throw UserError(place(node.source()),
-                      fmt::format("'{}' must be a string, found {}", key, kind_of(node)));
+                      fmt::format("'{}' must be a string, found {}", key, host::toml_kind(node)));
     }
     std::string text = **node.as_string();
     if (text.find_first_not_of(" \t\n") == std::string::npos) {
@@ -132,7 +93,7 @@ class PlatformReader {
     const toml::node& node = need(root_, "year", "add the year it shipped, for example year = 2005");
     if (!node.is_integer())
       throw UserError(place(node.source()),
-                      fmt::format("'year' must be an integer, found {}", kind_of(node)));
+                      fmt::format("'year' must be an integer, found {}", host::toml_kind(node)));
     const std::int64_t year = **node.as_integer();
     if (year < 1970 || year > 2100) {
       throw UserError(place(node.source()), fmt::format("year {} is outside 1970..2100", year));
@@ -155,10 +116,10 @@ class PlatformReader {
   double read_number(const toml::table& entry, std::string_view key, const FigureField& field) const {
     const toml::node& node = need(entry, key, shape_hint(field));
     if (!node.is_number()) {
-      throw UserError(
-          place(node.source()),
-          fmt::format("{} of {}.{} must be a number, found {}", key, field.table, field.key, kind_of(node)),
-          fmt::format("unit: {}", field.unit));
+      throw UserError(place(node.source()),
+                      fmt::format("{} of {}.{} must be a number, found {}", key, field.table, field.key,
+                                  host::toml_kind(node)),
+                      fmt::format("unit: {}", field.unit));
     }
     const double number = *node.value<double>();
     const std::string limits =
@@ -194,12 +155,13 @@ class PlatformReader {
     if (!node.is_table()) {
       throw UserError(place(node.source()),
                       fmt::format("{}.{} must carry its source and confidence, found {} alone", field.table,
-                                  field.key, kind_of(node)),
+                                  field.key, host::toml_kind(node)),
                       shape_hint(field));
     }
     const toml::table& entry = *node.as_table();
     const std::string where = fmt::format("{}.{}", field.table, field.key);
-    refuse_unknown(entry, {"value", "source", "confidence", "low", "high"}, where);
+    static const std::string kKeys[] = {"value", "source", "confidence", "low", "high"};
+    host::refuse_unknown_keys(entry, kKeys, where, path_);
 
     Figure& figure = field.of(model_);
     figure.value = figure.low = figure.high = read_number(entry, "value", field);

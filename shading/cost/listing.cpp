@@ -352,4 +352,17 @@ std::string format_listing(const StaticCost& cost, Format format) {
   return commented;
 }
 
+std::vector<std::string> listing_lines(const StaticCost& cost) {
+  std::vector<std::string> lines;
+  int block = 0, word = -1;
+  for (const ListingRow& row : cost.listing) {
+    if (row.block != block) lines.push_back(fmt::format("block {}", row.block));
+    const bool other_half = row.block == block && row.word == word && row.pipe != "T";
+    lines.push_back(fmt::format("{}{} {}", other_half ? "+ " : "", row.pipe, row.text));
+    block = row.block;
+    word = row.word;
+  }
+  return lines;
+}
+
 }  // namespace aluminate::cost

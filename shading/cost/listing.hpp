@@ -24,4 +24,8 @@ std::string format_cost(const std::vector<StaticCost>& costs, Format format);
 /// Instruction by instruction: word, pipe, instruction, source line, slots; clause boundaries marked.
 std::string format_listing(const StaticCost& cost, Format format = Format::Text);
 
+/// The schedule one issue a line without numbers or places, so that a changed instruction changes one line: "V mad ...",
+/// "+ S rsq ..." for the other half of a word, "T tex ...", "block 1" where a block begins.
+std::vector<std::string> listing_lines(const StaticCost& cost);
+
 }  // namespace aluminate::cost

@@ -10,6 +10,7 @@
 #include "platform/console/platform_file.hpp"
 #include "platform/host/error.hpp"
 #include "platform/host/parallel.hpp"
+#include "shading/cost/listing.hpp"
 
 namespace aluminate::passes {
 namespace {
@@ -44,7 +45,7 @@ PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat&
   p.cost = cost::price(p.program, gpu, {.filter = cost::FilterAssumption::Trilinear});
   p.straight_line = p.program.straight_line();
   p.path = {p.program.name, whole(p.cost.alu_words), static_cast<std::uint32_t>(p.cost.alu_slots),
-            static_cast<std::uint32_t>(p.cost.fetches), whole(p.cost.fetch_cyc)};
+            static_cast<std::uint32_t>(p.cost.fetches), whole(p.cost.fetch_cyc), cost::listing_lines(p.cost)};
   for (const vm::RowBinding& input : p.executable.inputs())
     p.inputs.push_back(input_row(p.program.inputs[input.index].semantic, input.component, p.varyings));
   const auto outputs = p.executable.outputs();

@@ -45,6 +45,7 @@ struct PassTotals {
 struct PathInfo {
   std::string program;  // "forward_lit[base_color+normal] 4 lights"
   std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
+  std::vector<std::string> instructions;  // as scheduled, cost::listing_lines
 };
 
 struct Saturation {

@@ -88,16 +88,37 @@ cost::StaticCost price_subject(const std::string& subject, const CostRequest& re
 
 }  // namespace
 
-std::string cost_report(const CostRequest& request) {
+std::vector<cost::StaticCost> price_subjects(const CostRequest& request) {
   const console::GpuModel gpu = console::load_platform(request.options.platform);
   std::vector<cost::StaticCost> costs;
   for (const std::string& subject : request.subjects) costs.push_back(price_subject(subject, request, gpu));
+  return costs;
+}
+
+std::string cost_command(const CostRequest& request) {
+  const passes::FrameOptions& options = request.options;
+  std::string text = fmt::format("aluminate cost {} --platform {}", fmt::join(request.subjects, " "), options.platform);
+  if (request.stage != "pixel") text += " --stage " + request.stage;
+  if (request.entry != "main") text += " --entry " + request.entry;
+  if (!options.lights.empty()) text += " --lights " + options.lights;
+  if (options.light_loop != passes::LightLoop::Auto)
+    text += fmt::format(" --light-loop {}", passes::to_string(options.light_loop));
+  if (options.fresnel != brdf::Fresnel::Schlick) text += fmt::format(" --fresnel {}", brdf::to_string(options.fresnel));
+  for (const auto& [name, value] : options.defines) text += fmt::format(" -D {}={}", name, value);
+  if (request.assumptions.filter == cost::FilterAssumption::Trilinear) text += " --trilinear";
+  if (request.assumptions.pairing == cost::PairingRule::Loose) text += " --loose";
+  return text;
+}
+
+std::string cost_report(const CostRequest& request) {
+  const console::GpuModel gpu = console::load_platform(request.options.platform);
+  const std::vector<cost::StaticCost> costs = price_subjects(request);
   std::string text = cost::format_cost(costs, request.format);
   if (request.format == cost::Format::Json) {
     nlohmann::ordered_json document = {
         {"schema", 1},
         {"tool", {{"name", "aluminate"}, {"version", ALUMINATE_VERSION}}},
-        {"command", fmt::format("aluminate cost {} --platform {}", fmt::join(request.subjects, " "), gpu.id)},
+        {"command", cost_command(request)},
         {"inputs", {{"subjects", request.subjects}, {"platform", gpu.path}}}};
     document.update(nlohmann::ordered_json::parse(text));
     text = document.dump(2) + "\n";

@@ -21,6 +21,12 @@ struct CostRequest {
   bool listing = false;
 };
 
+/// Compiles and prices every subject. Throws like cost_report.
+std::vector<cost::StaticCost> price_subjects(const CostRequest& request);
+
+/// The command that prices these subjects again.
+std::string cost_command(const CostRequest& request);
+
 /// Compiles and prices every subject. Throws UserError for a name that is neither a file nor a variant.
 std::string cost_report(const CostRequest& request);
 

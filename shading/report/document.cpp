@@ -186,13 +186,17 @@ void add_comparison(host::TextTable& table, const std::string& what, double a, d
 
 }  // namespace
 
-std::string image_hash(const passes::Frame& frame) {
+std::string image_hash(int width, int height, std::span<const std::uint8_t> rgba8) {
   return host::Hasher()
-      .add_u32(static_cast<std::uint32_t>(frame.width))
-      .add_u32(static_cast<std::uint32_t>(frame.height))
-      .add(std::span<const std::uint8_t>(frame.rgba8))
+      .add_u32(static_cast<std::uint32_t>(width))
+      .add_u32(static_cast<std::uint32_t>(height))
+      .add(rgba8)
       .finish()
       .hex();
+}
+
+std::string image_hash(const passes::Frame& frame) {
+  return image_hash(frame.width, frame.height, frame.rgba8);
 }
 
 std::string canonical_command(const std::string& verb, const Origin& origin) {

@@ -3,6 +3,8 @@
 // count.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,7 @@ struct Billed {
 
 /// XXH3-128 of width, height and the stored RGBA8 bytes, hex.
 std::string image_hash(const passes::Frame& frame);
+std::string image_hash(int width, int height, std::span<const std::uint8_t> rgba8);
 
 /// The command that makes this picture again, without what never changes it (threads, outputs).
 std::string canonical_command(const std::string& verb, const Origin& origin);

@@ -27,20 +27,25 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 
 }  // namespace
 
-Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms,
-                       int frames) {
+Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms) {
   Billed billed;
   billed.name = std::string(brdf::to_string(options.visibility));
   billed.origin = {scene.file, scene.content_hash, options};
   billed.gpu = console::load_platform(options.platform);
-  std::vector<double> frame_ms;
-  for (int i = 0; i < std::max(1, frames); ++i) {
-    billed.frame = passes::render_frame(scene, options);
-    frame_ms.insert(frame_ms.end(), billed.frame.timing.frame_ms.begin(), billed.frame.timing.frame_ms.end());
-  }
-  billed.frame.timing.frame_ms = frame_ms;
-  billed.origin.options.lights = billed.frame.lights;
+  billed.frame = passes::render_frame(scene, options);
+  // As an option again: the frame describes its lights as "scene (4 lights)".
+  billed.origin.options.lights = billed.frame.lights.substr(0, billed.frame.lights.find(' '));
   billed.budget = frame_budget(billed.frame, billed.gpu, budget_ms);
+  return billed;
+}
+
+Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms,
+                       int frames) {
+  std::vector<double> frame_ms;
+  for (int i = 1; i < frames; ++i)
+    frame_ms.push_back(passes::render_frame(scene, options).timing.frame_ms.front());
+  Billed billed = bill(scene, options, budget_ms);
+  billed.frame.timing.frame_ms.insert(billed.frame.timing.frame_ms.begin(), frame_ms.begin(), frame_ms.end());
   billed.lights = passes::light_costs(options, billed.gpu);
   return billed;
 }

@@ -212,6 +212,34 @@ TEST_F(Cli, PublishedClaimComesOutOfTheScheduler) {
   EXPECT_EQ(per_light("cheap") - none, 0);
 }
 
+TEST_F(Cli, CheckAcceptsByNameAndFindsItsFileFromBelow) {
+  fs::create_directories(path("sub"));
+  write("aluminate.toml", "schema = 1\n[[check]]\nname = \"lit\"\ncost = \"lit.hlsl\"\n");
+  write("lit.hlsl", "float4 k;\nfloat4 main(float4 c : COLOR0) : COLOR0 { return c * k; }\n");
+  const auto check = [&](std::vector<std::string> arguments, const std::string& where) {
+    arguments.insert(arguments.begin(), "check");
+    return run_program(arguments, path(where));
+  };
+  EXPECT_EQ(check({}, "sub").code, 1) << "missing";
+  const Finished refused = check({"--update"}, "");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("needs the name"));
+  EXPECT_EQ(check({"--update", "lit"}, "sub").code, 0);
+  const Finished same = check({"--junit", "checks.xml", "--markdown", "-"}, "sub");
+  EXPECT_EQ(same.code, 0) << same.out << same.error;
+  EXPECT_THAT(same.out, StartsWith("**aluminate check**: 1 ok"));
+  EXPECT_TRUE(fs::exists(path("sub/checks.xml"))) << "outputs are relative to where the user stands";
+  write("lit.hlsl", "float4 k;\nfloat4 main(float4 c : COLOR0) : COLOR0 { return c * k + c.x; }\n");
+  const Finished changed = check({}, "");
+  EXPECT_EQ(changed.code, 1);
+  EXPECT_THAT(changed.out, HasSubstr("aluminate check --update lit"));
+  write("aluminate.toml", "schema = 1\n[[check]]\nname = \"lit\"\ncots = \"lit.hlsl\"\n");
+  const Finished typo = check({}, "");
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_THAT(typo.error, HasSubstr("aluminate.toml:4:1: unknown key 'cots'"));
+  EXPECT_THAT(typo.error, HasSubstr("did you mean 'cost'"));
+}
+
 TEST_F(Cli, DoctorKnowsThisMachine) {
   const Finished run = run_program({"doctor"});
   EXPECT_EQ(run.code, 0) << run.out;
@@ -220,7 +248,7 @@ TEST_F(Cli, DoctorKnowsThisMachine) {
 
 TEST_F(Cli, EveryCommandExplainsItself) {
   for (const char* command :
-       {"render", "compare", "cost", "pixel", "eval", "platform", "scene", "diff", "doctor"}) {
+       {"render", "compare", "cost", "pixel", "eval", "platform", "scene", "check", "diff", "doctor"}) {
     const Finished run = run_program({command, "--help"});
     EXPECT_EQ(run.code, 0) << command;
     EXPECT_THAT(run.out, HasSubstr(command));
