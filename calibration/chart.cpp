@@ -19,12 +19,12 @@ constexpr std::array<Colour, kPatchCount> kXyyBefore2014{{
 }};
 
 constexpr std::array<Colour, kPatchCount> kLabAfter2014{{
-    {37.54, 14.37, 14.92}, {64.66, 19.27, 17.50},  {49.32, -3.82, -22.54},  {43.46, -12.74, 22.72},
-    {54.94, 9.61, -24.79}, {70.48, -32.26, -0.37}, {62.73, 35.83, 56.50},   {39.43, 10.75, -45.17},
-    {50.57, 48.64, 16.67}, {30.10, 22.54, -20.87}, {71.77, -24.13, 58.19},  {71.51, 18.24, 67.37},
-    {28.37, 15.42, -49.80}, {54.38, -39.72, 32.27}, {42.43, 51.05, 28.62},  {81.80, 2.67, 80.41},
-    {50.63, 51.28, -14.12}, {49.57, -29.71, -28.32}, {95.19, -1.03, 2.93},  {81.29, -0.57, 0.44},
-    {66.89, -0.75, -0.06}, {50.76, -0.13, 0.14},   {35.63, -0.46, -0.48},   {20.64, 0.07, -0.46},
+    {37.54, 14.37, 14.92},  {64.66, 19.27, 17.50},   {49.32, -3.82, -22.54}, {43.46, -12.74, 22.72},
+    {54.94, 9.61, -24.79},  {70.48, -32.26, -0.37},  {62.73, 35.83, 56.50},  {39.43, 10.75, -45.17},
+    {50.57, 48.64, 16.67},  {30.10, 22.54, -20.87},  {71.77, -24.13, 58.19}, {71.51, 18.24, 67.37},
+    {28.37, 15.42, -49.80}, {54.38, -39.72, 32.27},  {42.43, 51.05, 28.62},  {81.80, 2.67, 80.41},
+    {50.63, 51.28, -14.12}, {49.57, -29.71, -28.32}, {95.19, -1.03, 2.93},   {81.29, -0.57, 0.44},
+    {66.89, -0.75, -0.06},  {50.76, -0.13, 0.14},    {35.63, -0.46, -0.48},  {20.64, 0.07, -0.46},
 }};
 
 ChartReference make_reference(ChartEdition edition) {
@@ -32,7 +32,8 @@ ChartReference make_reference(ChartEdition edition) {
   reference.edition = edition;
   const Matrix3 to_d65 = bradford(kWhiteD50Xy, kWhiteD65Xy);
   for (std::size_t i = 0; i < kPatchCount; ++i) {
-    const Colour xyz = edition == ChartEdition::Before2014 ? xyy_to_xyz(kXyyBefore2014[i]) : lab_to_xyz(kLabAfter2014[i], kWhiteD50Xy);
+    const Colour xyz = edition == ChartEdition::Before2014 ? xyy_to_xyz(kXyyBefore2014[i])
+                                                           : lab_to_xyz(kLabAfter2014[i], kWhiteD50Xy);
     reference.lab_d50[i] = xyz_to_lab(xyz, kWhiteD50Xy);
     reference.rgb_lin[i] = xyz_to_rgb(multiply(to_d65, xyz));
     reference.lab_d65[i] = rgb_to_lab(reference.rgb_lin[i]);
@@ -56,9 +57,10 @@ ChartEdition parse_edition(std::string_view name) {
 
 const std::array<std::string_view, kPatchCount>& patch_names() {
   static constexpr std::array<std::string_view, kPatchCount> kNames{
-      "dark skin",    "light skin",    "blue sky", "foliage", "blue flower",  "bluish green",  "orange",      "purplish blue",
-      "moderate red", "purple",        "yellow green", "orange yellow", "blue", "green",       "red",         "yellow",
-      "magenta",      "cyan",          "white",    "neutral 8", "neutral 6.5", "neutral 5",    "neutral 3.5", "black"};
+      "dark skin", "light skin",    "blue sky",     "foliage",   "blue flower",  "bluish green",
+      "orange",    "purplish blue", "moderate red", "purple",    "yellow green", "orange yellow",
+      "blue",      "green",         "red",          "yellow",    "magenta",      "cyan",
+      "white",     "neutral 8",     "neutral 6.5",  "neutral 5", "neutral 3.5",  "black"};
   return kNames;
 }
 

@@ -1,6 +1,7 @@
-// The 24 patches of a ColorChecker Classic as its makers publish them: before and after the paint change of November 2014.
-// Out: names and reference colours under D50 as published and as linear sRGB under D65 (Bradford), which is what a
-// photograph is corrected to. Patch 18 (cyan) lies outside of sRGB: its red stays negative, nothing is clipped here.
+// The 24 patches of a ColorChecker Classic as its makers publish them: before and after the paint change of
+// November 2014. Out: names and reference colours under D50 as published and as linear sRGB under D65
+// (Bradford), which is what a photograph is corrected to. Patch 18 (cyan) lies outside of sRGB: its red stays
+// negative, nothing is clipped here.
 #pragma once
 
 #include <array>
@@ -12,7 +13,8 @@
 namespace aluminate::calibration {
 
 inline constexpr std::size_t kPatchCount = 24;
-inline constexpr int kChartColumns = 6, kChartRows = 4;  // patch i: column i % 6, row i / 6; row 3 is white .. black
+inline constexpr int kChartColumns = 6,
+                     kChartRows = 4;  // patch i: column i % 6, row i / 6; row 3 is white .. black
 
 inline constexpr std::size_t kWhitePatch = 18, kBlackPatch = 23;
 

@@ -19,32 +19,40 @@ Colour lightness_at(const Photo& photo, const Point& p) {
   const double fx = px - x0, fy = py - y0;
   Colour colour{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const double linear = (1 - fy) * ((1 - fx) * static_cast<double>(photo.pixel(x0, y0)[c]) + fx * static_cast<double>(photo.pixel(x1, y0)[c])) +
-                          fy * ((1 - fx) * static_cast<double>(photo.pixel(x0, y1)[c]) + fx * static_cast<double>(photo.pixel(x1, y1)[c]));
+    const double linear = (1 - fy) * ((1 - fx) * static_cast<double>(photo.pixel(x0, y0)[c]) +
+                                      fx * static_cast<double>(photo.pixel(x1, y0)[c])) +
+                          fy * ((1 - fx) * static_cast<double>(photo.pixel(x0, y1)[c]) +
+                                fx * static_cast<double>(photo.pixel(x1, y1)[c]));
     colour[c] = std::cbrt(std::max(linear, 0.0));
   }
   return colour;
 }
 
-bool inside(const Photo& photo, const Point& p) { return p.x >= 0 && p.y >= 0 && p.x <= photo.width - 1.0 && p.y <= photo.height - 1.0; }
+bool inside(const Photo& photo, const Point& p) {
+  return p.x >= 0 && p.y >= 0 && p.x <= photo.width - 1.0 && p.y <= photo.height - 1.0;
+}
 
-// The sides of a patch's window in px, fixed while corners move: windows that scaled along would pull the chart small,
-// because a smaller window holds less of its blurred edge.
+// The sides of a patch's window in px, fixed while corners move: windows that scaled along would pull the
+// chart small, because a smaller window holds less of its blurred edge.
 struct Window {
   Point along_column, along_row;
 };
 using Windows = std::array<Window, kPatchCount>;
 
-Point grid_point(std::size_t patch) { return {static_cast<double>(patch % kChartColumns), static_cast<double>(patch / kChartColumns)}; }
+Point grid_point(std::size_t patch) {
+  return {static_cast<double>(patch % kChartColumns), static_cast<double>(patch / kChartColumns)};
+}
 
 Windows windows_of(const Corners& corners) {
-  // A little smaller than a patch, which reaches 0.40 (passport size) to 0.45 of the distance between centres.
+  // A little smaller than a patch, which reaches 0.40 (passport size) to 0.45 of the distance between
+  // centres.
   constexpr double kHalf = 0.36;
   const Homography to_photo(corners);
   Windows windows{};
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     const Point g = grid_point(i);
-    windows[i] = {kHalf * (to_photo(g + Point{0.5, 0}) - to_photo(g - Point{0.5, 0})), kHalf * (to_photo(g + Point{0, 0.5}) - to_photo(g - Point{0, 0.5}))};
+    windows[i] = {kHalf * (to_photo(g + Point{0.5, 0}) - to_photo(g - Point{0.5, 0})),
+                  kHalf * (to_photo(g + Point{0, 0.5}) - to_photo(g - Point{0, 0.5}))};
   }
   return windows;
 }
@@ -59,7 +67,8 @@ double disorder(const Photo& photo, const Corners& corners, const Windows& windo
     const Point centre = to_photo(grid_point(i));
     for (int v = 0; v < kSide; ++v)
       for (int u = 0; u < kSide; ++u) {
-        const Point p = centre + (2.0 * u / (kSide - 1) - 1.0) * windows[i].along_column + (2.0 * v / (kSide - 1) - 1.0) * windows[i].along_row;
+        const Point p = centre + (2.0 * u / (kSide - 1) - 1.0) * windows[i].along_column +
+                        (2.0 * v / (kSide - 1) - 1.0) * windows[i].along_row;
         if (!inside(photo, p)) return INFINITY;
         const Colour colour = lightness_at(photo, p);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -73,16 +82,18 @@ double disorder(const Photo& photo, const Corners& corners, const Windows& windo
   return total;
 }
 
-// Where a patch ends along a direction: the distance, in distances between centres, at which the colour is half-way to the
-// most different one in the gap. Empty when the surround is as dark as the patch.
-std::optional<double> edge_distance(const Photo& photo, const Homography& to_photo, const Point& start, const Point& direction) {
+// Where a patch ends along a direction: the distance, in distances between centres, at which the colour is
+// half-way to the most different one in the gap. Empty when the surround is as dark as the patch.
+std::optional<double> edge_distance(const Photo& photo, const Homography& to_photo, const Point& start,
+                                    const Point& direction) {
   constexpr int kSamples = 40;
   constexpr double kReach = 0.62, kLeastContrast = 0.08;
   const Colour inner = lightness_at(photo, to_photo(start));
   std::array<double, kSamples + 1> change{};
   std::size_t far = 0;
   for (std::size_t i = 0; i <= kSamples; ++i) {
-    const Colour colour = lightness_at(photo, to_photo(start + kReach * static_cast<double>(i) / kSamples * direction));
+    const Colour colour =
+        lightness_at(photo, to_photo(start + kReach * static_cast<double>(i) / kSamples * direction));
     for (std::size_t c = 0; c < 3; ++c) change[i] += std::fabs(colour[c] - inner[c]) / 3.0;
     if (change[i] > change[far]) far = i;
   }
@@ -106,7 +117,8 @@ std::optional<Point> measured_offset(const Photo& photo, const Homography& to_ph
       (axis == &Point::x ? start.y : start.x) += aside;
       forward.*axis = 1.0;
       backward.*axis = -1.0;
-      const std::optional<double> after = edge_distance(photo, to_photo, start, forward), before = edge_distance(photo, to_photo, start, backward);
+      const std::optional<double> after = edge_distance(photo, to_photo, start, forward),
+                                  before = edge_distance(photo, to_photo, start, backward);
       if (after && before) middles.push_back(0.5 * (*after - *before));
     }
     if (middles.size() < 2) return std::nullopt;
@@ -153,8 +165,9 @@ Corners centre_between_edges(const Photo& photo, const Corners& corners) {
 }  // namespace
 
 Corners align_to_patches(const Photo& photo, const Corners& corners) {
-  // Pattern search over shift, turn, size and the eight corner coordinates, steps from a quarter of a patch down to a
-  // hundredth. The variance has one valley as long as the windows are nearer to their own patch than to the next.
+  // Pattern search over shift, turn, size and the eight corner coordinates, steps from a quarter of a patch
+  // down to a hundredth. The variance has one valley as long as the windows are nearer to their own patch
+  // than to the next.
   using Move = std::array<Point, 4>;
   const double pitch = patch_pitch_px(corners);
   std::vector<Move> moves;
@@ -212,7 +225,8 @@ double chart_edge_width(const Photo& photo, const Corners& corners) {
       const Colour colour = lightness_at(photo, to_photo((1.0 - t) * from + t * to));
       values[static_cast<std::size_t>(i)] = (colour[0] + colour[1] + colour[2]) / 3.0;
     }
-    // From the patch down (or up) to the most different value before the next centre: the gap, or the next patch.
+    // From the patch down (or up) to the most different value before the next centre: the gap, or the next
+    // patch.
     for (const bool reversed : {false, true}) {
       if (reversed) std::reverse(values.begin(), values.end());
       std::size_t far = 0;
@@ -237,7 +251,8 @@ double chart_edge_width(const Photo& photo, const Corners& corners) {
       if (row + 1 < kChartRows) profile(here, here + Point{0, 1});
     }
   if (widths.empty()) return 1.0;  // no contrast anywhere
-  std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2), widths.end());
+  std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2),
+                   widths.end());
   return widths[widths.size() / 2];
 }
 

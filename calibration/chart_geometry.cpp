@@ -25,7 +25,9 @@ struct Normalise {
     scale = sum > 0.0 ? static_cast<double>(points.size()) / sum : 1.0;
   }
   Point operator()(const Point& p) const { return scale * (p - centre); }
-  Matrix3 matrix() const { return {{{scale, 0, -scale * centre.x}, {0, scale, -scale * centre.y}, {0, 0, 1}}}; }
+  Matrix3 matrix() const {
+    return {{{scale, 0, -scale * centre.x}, {0, scale, -scale * centre.y}, {0, 0, 1}}};
+  }
   Point centre;
   double scale = 1.0;
 };
@@ -50,7 +52,9 @@ Homography::Homography(std::span<const Point> from, std::span<const Point> to) {
     right.at(2 * i + 1, 0) = t.y;
   }
   const Table h = least_squares(rows, right, {}, "chart position");
-  const Matrix3 normalised{{{h.values[0], h.values[1], h.values[2]}, {h.values[3], h.values[4], h.values[5]}, {h.values[6], h.values[7], 1.0}}};
+  const Matrix3 normalised{{{h.values[0], h.values[1], h.values[2]},
+                            {h.values[3], h.values[4], h.values[5]},
+                            {h.values[6], h.values[7], 1.0}}};
   m_ = multiply(calibration::inverse(target.matrix()), multiply(normalised, source.matrix()));
 }
 
@@ -101,29 +105,35 @@ void check_corners(const Corners& corners, int width, int height) {
   const char* const hint = "the order is dark skin, bluish green, black, white: around the chart, not across";
   for (const Point& p : corners) {
     if (!(p.x >= 0.0 && p.y >= 0.0 && p.x <= width - 1.0 && p.y <= height - 1.0)) {
-      throw UserError(fmt::format("the corner {:g},{:g} lies outside of the {} x {} picture: the chart is cut off", p.x, p.y, width, height), hint);
+      throw UserError(
+          fmt::format("the corner {:g},{:g} lies outside of the {} x {} picture: the chart is cut off", p.x,
+                      p.y, width, height),
+          hint);
     }
   }
   int positive = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const Point a = corners[(i + 1) % 4] - corners[i], b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
     const double turn = cross(a, b);
-    if (!(std::fabs(turn) > 1e-3 * length(a) * length(b))) throw UserError("three of the four corners lie on one line", hint);
+    if (!(std::fabs(turn) > 1e-3 * length(a) * length(b)))
+      throw UserError("three of the four corners lie on one line", hint);
     positive += turn > 0.0 ? 1 : 0;
   }
   if (positive == 0) throw UserError("the corners run counter-clockwise: a mirrored chart", hint);
   if (positive != 4) throw UserError("the four corners are no convex quadrilateral", hint);
   const double pitch = patch_pitch_px(corners);
   if (pitch < 4.0) {
-    throw UserError(fmt::format("the chart is too small: its patches are {:.1f} px apart, at least 4 are needed", pitch),
-                    "photograph the chart closer or with more resolution");
+    throw UserError(
+        fmt::format("the chart is too small: its patches are {:.1f} px apart, at least 4 are needed", pitch),
+        "photograph the chart closer or with more resolution");
   }
 }
 
 std::array<Point, kPatchCount> patch_centres(const Corners& corners) {
   const Homography to_photo(corners);
   std::array<Point, kPatchCount> centres{};
-  for (std::size_t i = 0; i < kPatchCount; ++i) centres[i] = to_photo({static_cast<double>(i % kChartColumns), static_cast<double>(i / kChartColumns)});
+  for (std::size_t i = 0; i < kPatchCount; ++i)
+    centres[i] = to_photo({static_cast<double>(i % kChartColumns), static_cast<double>(i / kChartColumns)});
   return centres;
 }
 
@@ -131,8 +141,10 @@ double patch_pitch_px(const Corners& corners) {
   const std::array<Point, kPatchCount> centres = patch_centres(corners);
   double smallest = INFINITY;
   for (std::size_t i = 0; i < kPatchCount; ++i) {
-    if (i % kChartColumns + 1 < kChartColumns) smallest = std::min(smallest, length(centres[i + 1] - centres[i]));
-    if (i + kChartColumns < kPatchCount) smallest = std::min(smallest, length(centres[i + kChartColumns] - centres[i]));
+    if (i % kChartColumns + 1 < kChartColumns)
+      smallest = std::min(smallest, length(centres[i + 1] - centres[i]));
+    if (i + kChartColumns < kPatchCount)
+      smallest = std::min(smallest, length(centres[i + kChartColumns] - centres[i]));
   }
   return smallest;
 }

@@ -1,6 +1,6 @@
-// Where the chart lies in a photograph. Chart coordinates: patch i has its centre at (i % 6, i / 6), one unit is the
-// distance of neighbouring centres; photograph coordinates: px, the centre of the top left pixel is (0, 0), y down.
-// A homography takes one to the other. Never looks at colours.
+// Where the chart lies in a photograph. Chart coordinates: patch i has its centre at (i % 6, i / 6), one unit
+// is the distance of neighbouring centres; photograph coordinates: px, the centre of the top left pixel is
+// (0, 0), y down. A homography takes one to the other. Never looks at colours.
 #pragma once
 
 #include <array>
@@ -44,7 +44,8 @@ class Homography {
 /// "x,y;x,y;x,y;x,y". Throws UserError.
 Corners parse_corners(const std::string& text);
 
-/// Throws UserError when the four points are no convex quadrilateral that a chart could show, or leave the picture.
+/// Throws UserError when the four points are no convex quadrilateral that a chart could show, or leave the
+/// picture.
 void check_corners(const Corners& corners, int width, int height);
 
 std::array<Point, kPatchCount> patch_centres(const Corners& corners);

@@ -12,7 +12,8 @@ namespace {
 constexpr std::array<std::array<double, 2>, 3> kPrimariesXy{{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}}};
 
 // The Bradford cone response [Lam85].
-constexpr Matrix3 kBradford{{{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
+constexpr Matrix3 kBradford{
+    {{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
 
 // CIE's exact rationals: the cube root and its tangent meet here.
 constexpr double kLabEpsilon = 216.0 / 24389.0;
@@ -64,8 +65,10 @@ Matrix3 inverse(const Matrix3& m) {
   const auto minor = [&](std::size_t r0, std::size_t r1, std::size_t c0, std::size_t c1) {
     return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0];
   };
-  const double determinant = m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
-  if (!std::isfinite(determinant) || determinant == 0.0) throw UserError("a colour matrix cannot be inverted");
+  const double determinant =
+      m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
+  if (!std::isfinite(determinant) || determinant == 0.0)
+    throw UserError("a colour matrix cannot be inverted");
   const double r = 1.0 / determinant;
   return {{{minor(1, 2, 1, 2) * r, -minor(0, 2, 1, 2) * r, minor(0, 1, 1, 2) * r},
            {-minor(1, 2, 0, 2) * r, minor(0, 2, 0, 2) * r, -minor(0, 1, 0, 2) * r},
@@ -123,7 +126,8 @@ Colour xyz_to_lab(const Colour& xyz, const std::array<double, 2>& white) noexcep
 Colour lab_to_xyz(const Colour& lab, const std::array<double, 2>& white) noexcept {
   const Colour w = white_xyz(white);
   const double fy = (lab[0] + 16.0) / 116.0;
-  return {w[0] * lab_f_inverse(fy + lab[1] / 500.0), w[1] * lab_f_inverse(fy), w[2] * lab_f_inverse(fy - lab[2] / 200.0)};
+  return {w[0] * lab_f_inverse(fy + lab[1] / 500.0), w[1] * lab_f_inverse(fy),
+          w[2] * lab_f_inverse(fy - lab[2] / 200.0)};
 }
 
 Colour rgb_to_lab(const Colour& rgb) noexcept { return xyz_to_lab(rgb_to_xyz(rgb), kWhiteD65Xy); }
@@ -143,19 +147,26 @@ double delta_e_2000(const Colour& a, const Colour& b) noexcept {
   const double h1 = hue_degrees(a1, a[2]), h2 = hue_degrees(a2, b[2]);
 
   double dh = h2 - h1;
-  if (c1 * c2 == 0.0) dh = 0.0;
-  else if (dh > 180.0) dh -= 360.0;
-  else if (dh < -180.0) dh += 360.0;
+  if (c1 * c2 == 0.0)
+    dh = 0.0;
+  else if (dh > 180.0)
+    dh -= 360.0;
+  else if (dh < -180.0)
+    dh += 360.0;
   double mean_h = h1 + h2;
   if (c1 * c2 != 0.0) {
-    if (std::fabs(h1 - h2) <= 180.0) mean_h /= 2.0;
-    else mean_h = (mean_h < 360.0 ? mean_h + 360.0 : mean_h - 360.0) / 2.0;
+    if (std::fabs(h1 - h2) <= 180.0)
+      mean_h /= 2.0;
+    else
+      mean_h = (mean_h < 360.0 ? mean_h + 360.0 : mean_h - 360.0) / 2.0;
   }
 
-  const double dl = b[0] - a[0], dc = c2 - c1, dh_chord = 2.0 * std::sqrt(c1 * c2) * std::sin(radians(dh) / 2.0);
+  const double dl = b[0] - a[0], dc = c2 - c1,
+               dh_chord = 2.0 * std::sqrt(c1 * c2) * std::sin(radians(dh) / 2.0);
   const double mean_l = (a[0] + b[0]) / 2.0, mean_c2 = (c1 + c2) / 2.0;
   const double t = 1.0 - 0.17 * std::cos(radians(mean_h - 30.0)) + 0.24 * std::cos(radians(2.0 * mean_h)) +
-                   0.32 * std::cos(radians(3.0 * mean_h + 6.0)) - 0.20 * std::cos(radians(4.0 * mean_h - 63.0));
+                   0.32 * std::cos(radians(3.0 * mean_h + 6.0)) -
+                   0.20 * std::cos(radians(4.0 * mean_h - 63.0));
   const double l50 = (mean_l - 50.0) * (mean_l - 50.0);
   const double sl = 1.0 + 0.015 * l50 / std::sqrt(20.0 + l50);
   const double sc = 1.0 + 0.045 * mean_c2, sh = 1.0 + 0.015 * mean_c2 * t;

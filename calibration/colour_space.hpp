@@ -1,5 +1,6 @@
-// Colour conversions of the calibration, in double precision: linear sRGB (D65), CIE XYZ, xyY, Lab, colour differences.
-// In and out: values, Y = 1 is a perfect white diffuser. Pure functions; nothing is clipped unless it says so.
+// Colour conversions of the calibration, in double precision: linear sRGB (D65), CIE XYZ, xyY, Lab, colour
+// differences. In and out: values, Y = 1 is a perfect white diffuser. Pure functions; nothing is clipped
+// unless it says so.
 #pragma once
 
 #include <array>
@@ -22,8 +23,8 @@ Matrix3 inverse(const Matrix3& matrix);
 double srgb_to_linear(double encoded) noexcept;
 double linear_to_srgb(double linear) noexcept;
 
-/// Linear sRGB to XYZ relative to D65, from the primaries and the white above (not the rounded table of the standard),
-/// so that RGB 1,1,1 has the chromaticity of the white exactly.
+/// Linear sRGB to XYZ relative to D65, from the primaries and the white above (not the rounded table of the
+/// standard), so that RGB 1,1,1 has the chromaticity of the white exactly.
 const Matrix3& srgb_to_xyz_matrix();
 const Matrix3& xyz_to_srgb_matrix();
 inline Colour rgb_to_xyz(const Colour& rgb) { return multiply(srgb_to_xyz_matrix(), rgb); }

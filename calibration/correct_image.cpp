@@ -25,9 +25,11 @@ CorrectionCounts& operator+=(CorrectionCounts& a, const CorrectionCounts& b) {
   return a;
 }
 
-void correct_block(float* rgb, std::size_t count, const Photo& photo, const Transform& transform, CorrectionCounts& counts) noexcept {
+void correct_block(float* rgb, std::size_t count, const Photo& photo, const Transform& transform,
+                   CorrectionCounts& counts) noexcept {
   alignas(64) double r[kBlock], g[kBlock], b[kBlock];
-  const float high_r = static_cast<float>(photo.clip_high[0]), high_g = static_cast<float>(photo.clip_high[1]),
+  const float high_r = static_cast<float>(photo.clip_high[0]),
+              high_g = static_cast<float>(photo.clip_high[1]),
               high_b = static_cast<float>(photo.clip_high[2]), low = static_cast<float>(photo.clip_low);
   int clipped = 0, negative = 0, above = 0, dark = 0, bright = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -58,21 +60,26 @@ enum class Container { Png, Tiff, Exr };
 Container container_of(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
   std::string ending = dot != std::string::npos && path[dot] == '.' ? path.substr(dot) : "";
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (ending == ".png") return Container::Png;
   if (ending == ".tif" || ending == ".tiff") return Container::Tiff;
   if (ending == ".exr") return Container::Exr;
-  throw UserError({path}, fmt::format("expected an output that ends in .png, .tif or .exr, found '{}'", ending));
+  throw UserError({path},
+                  fmt::format("expected an output that ends in .png, .tif or .exr, found '{}'", ending));
 }
 
 template <class Code, class Convert>
 std::vector<Code> codes_of(const Photo& photo, Convert&& convert) {
   std::vector<Code> codes(photo.rgb_lin.size());
   const std::size_t row = static_cast<std::size_t>(photo.width) * 3;
-  host::parallel_for(photo.height, [&](std::int64_t y) {
-    const std::size_t begin = static_cast<std::size_t>(y) * row;
-    for (std::size_t i = begin; i < begin + row; ++i) codes[i] = convert(photo.rgb_lin[i]);
-  }, kRowsPerItem);
+  host::parallel_for(
+      photo.height,
+      [&](std::int64_t y) {
+        const std::size_t begin = static_cast<std::size_t>(y) * row;
+        for (std::size_t i = begin; i < begin + row; ++i) codes[i] = convert(photo.rgb_lin[i]);
+      },
+      kRowsPerItem);
   return codes;
 }
 
@@ -81,11 +88,15 @@ std::vector<Code> codes_of(const Photo& photo, Convert&& convert) {
 CorrectionCounts correct_photo(Photo& photo, const Transform& transform) {
   const std::size_t row = static_cast<std::size_t>(photo.width);
   std::vector<CorrectionCounts> rows(static_cast<std::size_t>(photo.height));
-  host::parallel_for(photo.height, [&](std::int64_t y) {
-    float* rgb = photo.rgb_lin.data() + static_cast<std::size_t>(y) * row * 3;
-    for (std::size_t x = 0; x < row; x += kBlock)
-      correct_block(rgb + 3 * x, std::min(kBlock, row - x), photo, transform, rows[static_cast<std::size_t>(y)]);
-  }, kRowsPerItem);
+  host::parallel_for(
+      photo.height,
+      [&](std::int64_t y) {
+        float* rgb = photo.rgb_lin.data() + static_cast<std::size_t>(y) * row * 3;
+        for (std::size_t x = 0; x < row; x += kBlock)
+          correct_block(rgb + 3 * x, std::min(kBlock, row - x), photo, transform,
+                        rows[static_cast<std::size_t>(y)]);
+      },
+      kRowsPerItem);
   CorrectionCounts total;
   for (const CorrectionCounts& counts : rows) total += counts;
   return total;
@@ -93,12 +104,16 @@ CorrectionCounts correct_photo(Photo& photo, const Transform& transform) {
 
 void check_output_name(const std::string& path, const OutputFormat& format) {
   const Container container = container_of(path);
-  if (format.bits != 8 && format.bits != 16) throw UserError(fmt::format("{} bits a channel", format.bits), "8 or 16");
-  if (format.bits == 8 && container == Container::Tiff) throw UserError({path}, "an 8-bit TIFF is not written", "use --bits 16, or a name that ends in .png");
-  if (container == Container::Exr && format.encoding == Encoding::Srgb) return;  // EXR is linear whatever the default says
+  if (format.bits != 8 && format.bits != 16)
+    throw UserError(fmt::format("{} bits a channel", format.bits), "8 or 16");
+  if (format.bits == 8 && container == Container::Tiff)
+    throw UserError({path}, "an 8-bit TIFF is not written", "use --bits 16, or a name that ends in .png");
+  if (container == Container::Exr && format.encoding == Encoding::Srgb)
+    return;  // EXR is linear whatever the default says
 }
 
-std::vector<std::uint8_t> encode_corrected(const Photo& photo, const std::string& path, const OutputFormat& format) {
+std::vector<std::uint8_t> encode_corrected(const Photo& photo, const std::string& path,
+                                           const OutputFormat& format) {
   const Container container = container_of(path);
   const host::ImageMetadata metadata{{"Software", "aluminate calibrate"}};
   if (container == Container::Exr) {
@@ -119,13 +134,18 @@ std::vector<std::uint8_t> encode_corrected(const Photo& photo, const std::string
   if (format.bits == 8) {
     host::Image8 image{photo.width, photo.height, 3, {}};
     image.texels = is_srgb ? codes_of<std::uint8_t>(photo, [&](float v) { return srgb.code8(v); })
-                           : codes_of<std::uint8_t>(photo, [](float v) { return static_cast<std::uint8_t>(std::min(v, 1.0f) * 255.0f + 0.5f); });
+                           : codes_of<std::uint8_t>(photo, [](float v) {
+                               return static_cast<std::uint8_t>(std::min(v, 1.0f) * 255.0f + 0.5f);
+                             });
     return host::encode_png(image, metadata);
   }
   const std::vector<std::uint16_t> codes =
       is_srgb ? codes_of<std::uint16_t>(photo, [&](float v) { return srgb.code16(v); })
-              : codes_of<std::uint16_t>(photo, [](float v) { return static_cast<std::uint16_t>(std::min(v, 1.0f) * 65535.0f + 0.5f); });
-  return container == Container::Png ? host::encode_png16(photo.width, photo.height, codes, is_srgb, metadata) : host::encode_tiff16(photo.width, photo.height, codes);
+              : codes_of<std::uint16_t>(photo, [](float v) {
+                  return static_cast<std::uint16_t>(std::min(v, 1.0f) * 65535.0f + 0.5f);
+                });
+  return container == Container::Png ? host::encode_png16(photo.width, photo.height, codes, is_srgb, metadata)
+                                     : host::encode_tiff16(photo.width, photo.height, codes);
 }
 
 }  // namespace aluminate::calibration

@@ -12,8 +12,8 @@
 
 namespace aluminate::calibration {
 
-/// Luminance of common materials under diffuse light lies between charcoal and fresh snow [Lagarde11]; with a margin for
-/// noise, the chart's own black (0.03) and white (0.90) inside.
+/// Luminance of common materials under diffuse light lies between charcoal and fresh snow [Lagarde11]; with a
+/// margin for noise, the chart's own black (0.03) and white (0.90) inside.
 inline constexpr double kDarkestAlbedo = 0.02, kBrightestAlbedo = 0.92;
 
 struct CorrectionCounts {
@@ -33,8 +33,10 @@ struct OutputFormat {
   int bits = 16;  // 8 or 16; EXR is always 32-bit float linear
 };
 
-/// By the name's ending: .png (8 or 16 bits), .tif or .tiff (16), .exr. Throws UserError for others before any work.
+/// By the name's ending: .png (8 or 16 bits), .tif or .tiff (16), .exr. Throws UserError for others before
+/// any work.
 void check_output_name(const std::string& path, const OutputFormat& format);
-std::vector<std::uint8_t> encode_corrected(const Photo& corrected, const std::string& path, const OutputFormat& format);
+std::vector<std::uint8_t> encode_corrected(const Photo& corrected, const std::string& path,
+                                           const OutputFormat& format);
 
 }  // namespace aluminate::calibration

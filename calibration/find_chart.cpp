@@ -13,12 +13,14 @@ namespace aluminate::calibration {
 namespace {
 
 constexpr std::size_t kMinGridNodes = 8;
-constexpr double kPatchReach = 0.42;  // from its centre a patch reaches this far: it must lie inside of the photograph
+constexpr double kPatchReach =
+    0.42;  // from its centre a patch reaches this far: it must lie inside of the photograph
 
 PatchColours all_colours(const Photo& photo, const Corners& corners) {
   const PatchSamples samples = sample_patches(photo, corners);
   PatchColours colours = colours_of(samples);
-  for (std::size_t i = 0; i < kPatchCount; ++i) colours.usable[i] = samples[i].pixels > 0;  // a clipped white is still white
+  for (std::size_t i = 0; i < kPatchCount; ++i)
+    colours.usable[i] = samples[i].pixels > 0;  // a clipped white is still white
   return colours;
 }
 
@@ -26,7 +28,8 @@ bool patch_inside(const Photo& photo, const Homography& to_photo, const Point& c
   for (const double dx : {-kPatchReach, kPatchReach})
     for (const double dy : {-kPatchReach, kPatchReach}) {
       const Point p = to_photo(centre + Point{dx, dy});
-      if (!(p.x >= -0.5 && p.y >= -0.5 && p.x <= photo.width - 0.5 && p.y <= photo.height - 0.5)) return false;
+      if (!(p.x >= -0.5 && p.y >= -0.5 && p.x <= photo.width - 0.5 && p.y <= photo.height - 0.5))
+        return false;
     }
   return true;
 }
@@ -46,7 +49,7 @@ struct Search {
   const ChartReference& reference;
   FoundChart best;
   std::size_t largest_grid = 0;
-  int cut_off_patches = 0;         // patches inside of the best chart that leaves the photograph
+  int cut_off_patches = 0;  // patches inside of the best chart that leaves the photograph
   double cut_off_agreement = 0.0;
 
   bool done() const { return best.agreement >= 0.88; }
@@ -123,15 +126,19 @@ void judge_grid(Search& search, const SmallPicture& picture, const PatchGrid& gr
   }
   if (column_high == column_low || row_high == row_low) return;
   const Homography to_picture = fit_grid(grid);
-  const auto corner = [&](int column, int row) { return picture.to_photo(to_picture({static_cast<double>(column), static_cast<double>(row)})); };
+  const auto corner = [&](int column, int row) {
+    return picture.to_photo(to_picture({static_cast<double>(column), static_cast<double>(row)}));
+  };
   for (const auto& [columns, rows] : {std::pair{6, 4}, std::pair{4, 6}})
     for (int row = row_low - rows + 2; row <= row_high - 1; ++row)
       for (int column = column_low - columns + 2; column <= column_high - 1; ++column) {
         std::size_t held = 0;
         for (int r = row; r < row + rows; ++r)
           for (int c = column; c < column + columns; ++c) held += places.contains({c, r}) ? 1 : 0;
-        if (held < kMinGridNodes || held * 10 < std::min<std::size_t>(grid.nodes.size(), kPatchCount) * 7) continue;
-        search.judge({corner(column, row), corner(column + columns - 1, row), corner(column + columns - 1, row + rows - 1), corner(column, row + rows - 1)},
+        if (held < kMinGridNodes || held * 10 < std::min<std::size_t>(grid.nodes.size(), kPatchCount) * 7)
+          continue;
+        search.judge({corner(column, row), corner(column + columns - 1, row),
+                      corner(column + columns - 1, row + rows - 1), corner(column, row + rows - 1)},
                      "grid");
       }
 }
@@ -161,7 +168,8 @@ void search_grids(Search& search) {
 
 // How wide the sharpest edges of the photograph are, in px of a picture of 700 px: contrast over slope.
 double sharpest_edges_px(const Photo& photo) {
-  const SmallPicture picture = scaled_picture(photo, std::min(1.0, 700.0 / std::max(photo.width, photo.height)));
+  const SmallPicture picture =
+      scaled_picture(photo, std::min(1.0, 700.0 / std::max(photo.width, photo.height)));
   std::vector<double> widths;
   constexpr int kReach = 40;  // an edge wider than twice this is none
   for (int y = kReach; y + kReach < picture.height; y += 3)
@@ -171,28 +179,39 @@ double sharpest_edges_px(const Photo& photo) {
         const double v = static_cast<double>(picture.pixel(x + t, y)[1]);
         low = std::min(low, v);
         high = std::max(high, v);
-        if (t > -kReach) slope = std::max(slope, std::fabs(v - static_cast<double>(picture.pixel(x + t - 1, y)[1])));
+        if (t > -kReach)
+          slope = std::max(slope, std::fabs(v - static_cast<double>(picture.pixel(x + t - 1, y)[1])));
       }
       if (high - low > 0.15) widths.push_back((high - low) / slope);
     }
   if (widths.size() < 20) return 0.0;  // nothing to see: not a question of focus
-  std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 20), widths.end());
+  std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 20),
+                   widths.end());
   return widths[widths.size() / 20];
 }
 
 [[noreturn]] void refuse(const Search& search, const std::string& name) {
-  const char* const corners_hint = "if it is there, give the centres of its corner patches: --corners x,y;x,y;x,y;x,y (dark skin, bluish green, black, white)";
+  const char* const corners_hint =
+      "if it is there, give the centres of its corner patches: --corners x,y;x,y;x,y;x,y (dark skin, bluish "
+      "green, black, white)";
   if (search.cut_off_agreement >= 0.9 && search.cut_off_patches < static_cast<int>(kPatchCount)) {
-    throw UserError({name}, fmt::format("the chart is cut off: {} of its 24 patches are inside of the picture", search.cut_off_patches),
+    throw UserError({name},
+                    fmt::format("the chart is cut off: {} of its 24 patches are inside of the picture",
+                                search.cut_off_patches),
                     "photograph the whole chart");
   }
   if (const double width = sharpest_edges_px(search.photo); width > 7.0) {
-    throw UserError({name}, fmt::format("no ColorChecker was found, and the picture is blurred: its sharpest edges are {:.0f} px wide in a width of 700", width),
+    throw UserError({name},
+                    fmt::format("no ColorChecker was found, and the picture is blurred: its sharpest edges "
+                                "are {:.0f} px wide in a width of 700",
+                                width),
                     "focus on the chart");
   }
   if (search.largest_grid >= 10) {
-    throw UserError({name}, fmt::format("no complete ColorChecker was found: a grid of {} areas is there, but its colours are not those of the chart's 24 patches",
-                                        search.largest_grid),
+    throw UserError({name},
+                    fmt::format("no complete ColorChecker was found: a grid of {} areas is there, but its "
+                                "colours are not those of the chart's 24 patches",
+                                search.largest_grid),
                     "is a part of it cut off or covered? photograph the whole chart");
   }
   throw UserError({name}, "no ColorChecker was found", corners_hint);
@@ -203,32 +222,45 @@ double sharpest_edges_px(const Photo& photo) {
 ChartFinder parse_chart_finder(std::string_view name) {
   static const std::vector<std::string> known{"auto", "grid", "opencv"};
   const auto found = std::find(known.begin(), known.end(), name);
-  if (found == known.end()) throw UserError(fmt::format("unknown finder '{}'", name), host::did_you_mean(name, known));
+  if (found == known.end())
+    throw UserError(fmt::format("unknown finder '{}'", name), host::did_you_mean(name, known));
   return static_cast<ChartFinder>(found - known.begin());
 }
 
-FoundChart find_chart(const Photo& photo, const ChartReference& reference, const std::string& name, ChartFinder finder) {
+FoundChart find_chart(const Photo& photo, const ChartReference& reference, const std::string& name,
+                      ChartFinder finder) {
   Search search{photo, reference, {}};
   if (finder != ChartFinder::OpenCv) search_grids(search);
-  if (finder == ChartFinder::OpenCv || (finder == ChartFinder::Auto && search.best.agreement < kMinAgreement)) {
+  if (finder == ChartFinder::OpenCv ||
+      (finder == ChartFinder::Auto && search.best.agreement < kMinAgreement)) {
     for (const Corners& quadrilateral : opencv_charts(photo)) search.judge(quadrilateral, "opencv mcc");
   }
   if (search.best.agreement < kMinAgreement) refuse(search, name);
   search.best.edge_width = chart_edge_width(photo, search.best.corners);
   if (search.best.edge_width > kMaxEdgeWidth) {
-    throw UserError({name}, fmt::format("the chart is blurred: its edges are {:.0f} % of a patch wide, so that colours of neighbours mix", 100.0 * search.best.edge_width),
-                    "focus on the chart, or hold the camera still");
+    throw UserError(
+        {name},
+        fmt::format(
+            "the chart is blurred: its edges are {:.0f} % of a patch wide, so that colours of neighbours mix",
+            100.0 * search.best.edge_width),
+        "focus on the chart, or hold the camera still");
   }
   return search.best;
 }
 
-FoundChart check_chart(const Photo& photo, const Corners& corners, const ChartReference& reference, const std::string& name) {
+FoundChart check_chart(const Photo& photo, const Corners& corners, const ChartReference& reference,
+                       const std::string& name) {
   check_corners(corners, photo.width, photo.height);
   const int inside_count = patches_inside(photo, corners);
   if (inside_count < static_cast<int>(kPatchCount)) {
-    throw UserError({name}, fmt::format("the chart is cut off: {} of its 24 patches are inside of the picture", inside_count), "photograph the whole chart");
+    throw UserError(
+        {name},
+        fmt::format("the chart is cut off: {} of its 24 patches are inside of the picture", inside_count),
+        "photograph the whole chart");
   }
-  const auto agreement_of = [&](const Corners& trial) { return chart_agreement(all_colours(photo, trial), reference); };
+  const auto agreement_of = [&](const Corners& trial) {
+    return chart_agreement(all_colours(photo, trial), reference);
+  };
   const double agreement = agreement_of(corners);
   if (agreement < kMinAgreement) {
     static constexpr std::array<std::string_view, 4> kNames{"dark skin", "bluish green", "black", "white"};
@@ -236,16 +268,26 @@ FoundChart check_chart(const Photo& photo, const Corners& corners, const ChartRe
       Corners trial{};
       for (std::size_t i = 0; i < 4; ++i) trial[i] = corners[(i + turn) % 4];
       if (agreement_of(trial) < kMinAgreement) continue;
-      throw UserError({name}, fmt::format("the corners are in a wrong order: the first is {}, expected dark skin", kNames[(4 - turn) % 4]),
+      throw UserError({name},
+                      fmt::format("the corners are in a wrong order: the first is {}, expected dark skin",
+                                  kNames[(4 - turn) % 4]),
                       "the order is dark skin, bluish green, black, white");
     }
-    throw UserError({name}, fmt::format("the colours between the corners are not a ColorChecker's (agreement {:.2f}, {:.2f} is needed)", agreement, kMinAgreement),
-                    "give the centres of the corner patches dark skin, bluish green, black, white");
+    throw UserError(
+        {name},
+        fmt::format(
+            "the colours between the corners are not a ColorChecker's (agreement {:.2f}, {:.2f} is needed)",
+            agreement, kMinAgreement),
+        "give the centres of the corner patches dark skin, bluish green, black, white");
   }
   const double edge_width = chart_edge_width(photo, corners);
   if (edge_width > kMaxEdgeWidth) {
-    throw UserError({name}, fmt::format("the chart is blurred: its edges are {:.0f} % of a patch wide, so that colours of neighbours mix", 100.0 * edge_width),
-                    "focus on the chart, or hold the camera still");
+    throw UserError(
+        {name},
+        fmt::format(
+            "the chart is blurred: its edges are {:.0f} % of a patch wide, so that colours of neighbours mix",
+            100.0 * edge_width),
+        "focus on the chart, or hold the camera still");
   }
   return {corners, agreement, edge_width, "corners"};
 }

@@ -20,11 +20,12 @@ Weights plain_weights(const PatchColours& samples) {
   return weights;
 }
 
-// A linear-light error of a dark patch is seen more: L* has the slope Y^(-2/3), a squared error that slope squared. The
-// offset keeps the black patch from deciding alone.
+// A linear-light error of a dark patch is seen more: L* has the slope Y^(-2/3), a squared error that slope
+// squared. The offset keeps the black patch from deciding alone.
 Weights lightness_weights(const PatchColours& samples, const ChartReference& reference) {
   Weights weights = plain_weights(samples);
-  for (std::size_t i = 0; i < kPatchCount; ++i) weights[i] *= std::pow(rgb_to_xyz(reference.rgb_lin[i])[1] + 0.02, -4.0 / 3.0);
+  for (std::size_t i = 0; i < kPatchCount; ++i)
+    weights[i] *= std::pow(rgb_to_xyz(reference.rgb_lin[i])[1] + 0.02, -4.0 / 3.0);
   return weights;
 }
 
@@ -48,9 +49,10 @@ Affine fit_affine(const Colours& from, const Colours& to, const Weights& weights
   return affine;
 }
 
-// Solved in t = (x - centre)/half, which maps the patches to [-1, 1] and keeps the system well conditioned up to degree 5;
-// expanded to powers of x afterwards.
-Polynomial fit_polynomial(int degree, const Colours& from, const Colours& to, std::size_t channel, const Weights& weights) {
+// Solved in t = (x - centre)/half, which maps the patches to [-1, 1] and keeps the system well conditioned up
+// to degree 5; expanded to powers of x afterwards.
+Polynomial fit_polynomial(int degree, const Colours& from, const Colours& to, std::size_t channel,
+                          const Weights& weights) {
   double low = INFINITY, high = -INFINITY;
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     if (!(weights[i] > 0.0)) continue;
@@ -62,7 +64,8 @@ Polynomial fit_polynomial(int degree, const Colours& from, const Colours& to, st
   Table rows(kPatchCount, terms), target(kPatchCount, 1);
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     double power = 1.0;
-    for (std::size_t j = 0; j < terms; ++j, power *= (from[i][channel] - centre) / half) rows.at(i, j) = power;
+    for (std::size_t j = 0; j < terms; ++j, power *= (from[i][channel] - centre) / half)
+      rows.at(i, j) = power;
     target.at(i, 0) = to[i][channel];
   }
   const Table scaled = least_squares(rows, target, weights, "polynomial stage");
@@ -101,11 +104,14 @@ Colours mapped(const Colours& colours, Map&& map) {
   return result;
 }
 
-// Three least-squares fits in sequence, each from the values so far to the same target. Each contains the identity, and the
-// clamp moves values towards the targets, so a stage can only lower the RMS; one that rounding made worse stays the identity.
-AffinePolyAffine fit_chain(int degree, const PatchColours& samples, const ChartReference& reference, std::vector<double>& stage_rms) {
+// Three least-squares fits in sequence, each from the values so far to the same target. Each contains the
+// identity, and the clamp moves values towards the targets, so a stage can only lower the RMS; one that
+// rounding made worse stays the identity.
+AffinePolyAffine fit_chain(int degree, const PatchColours& samples, const ChartReference& reference,
+                           std::vector<double>& stage_rms) {
   const Weights weights = plain_weights(samples);
-  const Colours target = mapped(reference.rgb_lin, [](const Colour& rgb) { return xyz_to_xyy(rgb_to_xyz(rgb)); });
+  const Colours target =
+      mapped(reference.rgb_lin, [](const Colour& rgb) { return xyz_to_xyy(rgb_to_xyz(rgb)); });
   Colours values = mapped(samples.rgb_lin, rgb_to_stage_xyy);
   AffinePolyAffine chain;
   chain.degree = degree;
@@ -119,7 +125,9 @@ AffinePolyAffine fit_chain(int degree, const PatchColours& samples, const ChartR
   };
   const auto affine_stage = [&](std::string_view what) {
     const Affine affine = fit_affine(values, target, weights, what);
-    return advance(mapped(values, [&](const Colour& v) { return clamp_xyy(evaluate(affine, v)); })) ? affine : Affine{};
+    return advance(mapped(values, [&](const Colour& v) { return clamp_xyy(evaluate(affine, v)); }))
+               ? affine
+               : Affine{};
   };
 
   chain.first = affine_stage("first affine stage");
@@ -151,22 +159,25 @@ RootPolynomial fit_root(int degree, const PatchColours& samples, const ChartRefe
 }
 
 LinearFit fit_linear(const PatchColours& samples, const ChartReference& reference) {
-  return {fit_affine(samples.rgb_lin, reference.rgb_lin, lightness_weights(samples, reference), "linear fit")};
+  return {
+      fit_affine(samples.rgb_lin, reference.rgb_lin, lightness_weights(samples, reference), "linear fit")};
 }
 
-double weighted_error(const Transform& transform, const PatchColours& samples, const ChartReference& reference) {
+double weighted_error(const Transform& transform, const PatchColours& samples,
+                      const ChartReference& reference) {
   const Weights weights = lightness_weights(samples, reference);
   double sum = 0.0;
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     if (!(weights[i] > 0.0)) continue;
     const Colour out = correct(transform, samples.rgb_lin[i]);
-    for (std::size_t c = 0; c < 3; ++c) sum += weights[i] * (out[c] - reference.rgb_lin[i][c]) * (out[c] - reference.rgb_lin[i][c]);
+    for (std::size_t c = 0; c < 3; ++c)
+      sum += weights[i] * (out[c] - reference.rgb_lin[i][c]) * (out[c] - reference.rgb_lin[i][c]);
   }
   return sum;
 }
 
-// One exponent for all channels, by a scan of 0.4 .. 2.5 (in steps of 8 %) and a golden-section search around the best:
-// the error is smooth but need not have a single valley.
+// One exponent for all channels, by a scan of 0.4 .. 2.5 (in steps of 8 %) and a golden-section search around
+// the best: the error is smooth but need not have a single valley.
 ToneLinear fit_tone(const PatchColours& samples, const ChartReference& reference) {
   const auto at = [&](double log_exponent) {
     ToneLinear fit;
@@ -177,7 +188,9 @@ ToneLinear fit_tone(const PatchColours& samples, const ChartReference& reference
     fit.matrix = fit_linear(bent, reference).matrix;
     return fit;
   };
-  const auto error = [&](double log_exponent) { return weighted_error(at(log_exponent), samples, reference); };
+  const auto error = [&](double log_exponent) {
+    return weighted_error(at(log_exponent), samples, reference);
+  };
   constexpr double kStep = 0.08, kLimit = 0.92;
   double best = 0.0, best_error = error(0.0);
   for (double x = -kLimit; x <= kLimit; x += kStep) {
@@ -209,34 +222,44 @@ ToneLinear fit_tone(const PatchColours& samples, const ChartReference& reference
   return at(error(refined) < best_error ? refined : best);
 }
 
-Transform solve(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference, std::vector<double>& stage_rms) {
+Transform solve(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference,
+                std::vector<double>& stage_rms) {
   switch (kind) {
-    case FitKind::AffinePolyAffine: return fit_chain(degree, samples, reference, stage_rms);
-    case FitKind::RootPoly: return fit_root(degree, samples, reference);
-    case FitKind::ToneLinear: return fit_tone(samples, reference);
-    default: return fit_linear(samples, reference);
+    case FitKind::AffinePolyAffine:
+      return fit_chain(degree, samples, reference, stage_rms);
+    case FitKind::RootPoly:
+      return fit_root(degree, samples, reference);
+    case FitKind::ToneLinear:
+      return fit_tone(samples, reference);
+    default:
+      return fit_linear(samples, reference);
   }
 }
 
 void check_samples(const PatchColours& samples) {
   if (samples.usable_count() < kMinUsablePatches) {
-    throw UserError(fmt::format("only {} of {} patches can be used, at least {} are needed: the others are clipped or damaged",
-                                samples.usable_count(), kPatchCount, kMinUsablePatches),
-                    "expose so that the white patch is not clipped and the black patch is above zero");
+    throw UserError(
+        fmt::format(
+            "only {} of {} patches can be used, at least {} are needed: the others are clipped or damaged",
+            samples.usable_count(), kPatchCount, kMinUsablePatches),
+        "expose so that the white patch is not clipped and the black patch is above zero");
   }
   for (std::size_t i = 0; i < kPatchCount; ++i)
     for (const double value : samples.rgb_lin[i])
-      if (samples.usable[i] && !std::isfinite(value)) throw UserError(fmt::format("patch {} ({}) is not a finite number", i + 1, patch_names()[i]));
+      if (samples.usable[i] && !std::isfinite(value))
+        throw UserError(fmt::format("patch {} ({}) is not a finite number", i + 1, patch_names()[i]));
 }
 
 void check_degree(FitKind kind, int degree) {
   const int most = kind == FitKind::RootPoly ? 3 : kMaxDegree;
   if ((kind == FitKind::RootPoly || kind == FitKind::AffinePolyAffine) && (degree < 1 || degree > most)) {
-    throw UserError(fmt::format("degree {} is outside of 1..{}", degree, most), "24 patches do not carry more");
+    throw UserError(fmt::format("degree {} is outside of 1..{}", degree, most),
+                    "24 patches do not carry more");
   }
 }
 
-double held_out_error(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference) {
+double held_out_error(FitKind kind, int degree, const PatchColours& samples,
+                      const ChartReference& reference) {
   std::array<double, kPatchCount> errors{};
   host::parallel_for(static_cast<std::int64_t>(kPatchCount), [&](std::int64_t index) {
     const std::size_t left_out = static_cast<std::size_t>(index);
@@ -245,7 +268,8 @@ double held_out_error(FitKind kind, int degree, const PatchColours& samples, con
     rest.usable[left_out] = false;
     std::vector<double> ignored;
     const Transform transform = solve(kind, degree, rest, reference, ignored);
-    errors[left_out] = delta_e_2000(rgb_to_lab(correct(transform, samples.rgb_lin[left_out])), reference.lab_d65[left_out]);
+    errors[left_out] =
+        delta_e_2000(rgb_to_lab(correct(transform, samples.rgb_lin[left_out])), reference.lab_d65[left_out]);
   });
   double sum = 0.0;
   for (const double error : errors) sum += error;
@@ -254,12 +278,16 @@ double held_out_error(FitKind kind, int degree, const PatchColours& samples, con
 
 }  // namespace
 
-std::size_t PatchColours::usable_count() const { return static_cast<std::size_t>(std::count(usable.begin(), usable.end(), true)); }
+std::size_t PatchColours::usable_count() const {
+  return static_cast<std::size_t>(std::count(usable.begin(), usable.end(), true));
+}
 
 FitKind parse_fit_kind(std::string_view name) {
-  static const std::vector<std::string> known{"auto", "affine-poly-affine", "linear", "root-poly", "tone-linear"};
+  static const std::vector<std::string> known{"auto", "affine-poly-affine", "linear", "root-poly",
+                                              "tone-linear"};
   const auto found = std::find(known.begin(), known.end(), name);
-  if (found == known.end()) throw UserError(fmt::format("unknown fit '{}'", name), host::did_you_mean(name, known));
+  if (found == known.end())
+    throw UserError(fmt::format("unknown fit '{}'", name), host::did_you_mean(name, known));
   return static_cast<FitKind>(found - known.begin());
 }
 
@@ -327,7 +355,8 @@ FitChoice choose_fit(FitKind kind, int degree, const PatchColours& samples, cons
     }
   }
   if (!best && kind == FitKind::Auto) {
-    throw UserError(refusal.empty() ? "the usable patches determine no fit" : refusal, "photograph the whole chart under even light");
+    throw UserError(refusal.empty() ? "the usable patches determine no fit" : refusal,
+                    "photograph the whole chart under even light");
   }
   return choice;
 }

@@ -1,5 +1,6 @@
-// Fits of a colour transform to 24 measured patches. In: the photograph's linear RGB of each patch, which patches may be
-// used, the chart's reference. Out: a Transform, the RMS after each stage, and how far every patch is from its reference.
+// Fits of a colour transform to 24 measured patches. In: the photograph's linear RGB of each patch, which
+// patches may be used, the chart's reference. Out: a Transform, the RMS after each stage, and how far every
+// patch is from its reference.
 // --fit auto tries all kinds and keeps the one with the smallest error on patches it was not fitted to.
 #pragma once
 
@@ -22,11 +23,13 @@ struct PatchColours {
 };
 
 enum class FitKind { Auto, AffinePolyAffine, Linear, RootPoly, ToneLinear };
-FitKind parse_fit_kind(std::string_view name);  // "auto", "affine-poly-affine", "linear", "root-poly", "tone-linear"
+FitKind parse_fit_kind(
+    std::string_view name);  // "auto", "affine-poly-affine", "linear", "root-poly", "tone-linear"
 
 inline constexpr std::size_t kMinUsablePatches = 8;
 
-/// Per-patch difference from the reference in CIEDE2000 and CIE76, and their summaries over the patches given.
+/// Per-patch difference from the reference in CIEDE2000 and CIE76, and their summaries over the patches
+/// given.
 struct Differences {
   std::array<double, kPatchCount> de2000{}, de76{};
   double mean_de2000 = 0.0, max_de2000 = 0.0, mean_de76 = 0.0;
@@ -36,8 +39,10 @@ Differences differences(const std::array<Colour, kPatchCount>& rgb_lin, const Ch
 
 struct Fit {
   Transform transform;
-  std::vector<double> stage_rms;   // of AffinePolyAffine: xyY RMS of input, affine, polynomial, affine; never rises
-  double held_out_de2000 = 0.0;    // mean over usable patches, each predicted by a fit without it; 0 when not computed
+  std::vector<double>
+      stage_rms;  // of AffinePolyAffine: xyY RMS of input, affine, polynomial, affine; never rises
+  double held_out_de2000 =
+      0.0;  // mean over usable patches, each predicted by a fit without it; 0 when not computed
   std::array<Colour, kPatchCount> corrected{};
   Differences before, after;
 };
@@ -53,11 +58,13 @@ struct FitChoice {
   std::vector<Candidate> candidates;
 };
 
-/// One kind. degree: 1..5 for AffinePolyAffine, 1..3 for RootPoly, ignored otherwise. Not Auto. Throws UserError when
-/// too few patches are usable, a usable one is not finite, or they do not determine the coefficients.
+/// One kind. degree: 1..5 for AffinePolyAffine, 1..3 for RootPoly, ignored otherwise. Not Auto. Throws
+/// UserError when too few patches are usable, a usable one is not finite, or they do not determine the
+/// coefficients.
 Fit fit_transform(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference);
 
-/// Auto: leave-one-out over all kinds and degrees. Otherwise the kind asked for, with its leave-one-out error.
+/// Auto: leave-one-out over all kinds and degrees. Otherwise the kind asked for, with its leave-one-out
+/// error.
 FitChoice choose_fit(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference);
 
 }  // namespace aluminate::calibration

@@ -25,16 +25,20 @@ bool find(const Query& query, Profile& profile, char* text, std::size_t text_siz
     return false;
   };
   const std::unique_ptr<lfDatabase, DestroyDatabase> database(lf_db_new());
-  if (!database || database->Load() != LF_NO_ERROR) return fail("lensfun's database cannot be read; the Debian package is", "liblensfun-data-v1");
+  if (!database || database->Load() != LF_NO_ERROR)
+    return fail("lensfun's database cannot be read; the Debian package is", "liblensfun-data-v1");
   const lfCamera* camera = nullptr;
   std::unique_ptr<const lfCamera*, FreeList> cameras;
   if (query.model[0] != '\0') {
-    cameras.reset(database->FindCamerasExt(query.maker[0] != '\0' ? query.maker : nullptr, query.model, LF_SEARCH_LOOSE));
+    cameras.reset(database->FindCamerasExt(query.maker[0] != '\0' ? query.maker : nullptr, query.model,
+                                           LF_SEARCH_LOOSE));
     if (!cameras) return fail("lensfun does not know the camera", query.model);
     camera = *cameras;
   }
-  const std::unique_ptr<const lfLens*, FreeList> lenses(database->FindLenses(camera, nullptr, query.lens[0] != '\0' ? query.lens : nullptr));
-  if (!lenses) return fail("lensfun does not know the lens", query.lens[0] != '\0' ? query.lens : query.model);
+  const std::unique_ptr<const lfLens*, FreeList> lenses(
+      database->FindLenses(camera, nullptr, query.lens[0] != '\0' ? query.lens : nullptr));
+  if (!lenses)
+    return fail("lensfun does not know the lens", query.lens[0] != '\0' ? query.lens : query.model);
   const lfLens* lens = *lenses;
   profile.camera_crop = camera != nullptr ? camera->CropFactor : lens->CropFactor;
   profile.lens_crop = lens->CropFactor;
@@ -46,7 +50,10 @@ bool find(const Query& query, Profile& profile, char* text, std::size_t text_siz
 
   lfLensCalibDistortion distortion{};
   if (lens->InterpolateDistortion(focal, distortion)) {
-    profile.distortion = distortion.Model == LF_DIST_MODEL_POLY3 ? 1 : distortion.Model == LF_DIST_MODEL_POLY5 ? 2 : distortion.Model == LF_DIST_MODEL_PTLENS ? 3 : 0;
+    profile.distortion = distortion.Model == LF_DIST_MODEL_POLY3    ? 1
+                         : distortion.Model == LF_DIST_MODEL_POLY5  ? 2
+                         : distortion.Model == LF_DIST_MODEL_PTLENS ? 3
+                                                                    : 0;
     std::copy_n(distortion.Terms, 3, profile.distortion_terms);
   }
   lfLensCalibTCA lateral{};
@@ -56,7 +63,8 @@ bool find(const Query& query, Profile& profile, char* text, std::size_t text_siz
   }
   lfLensCalibVignetting vignetting{};
   const float aperture = query.aperture > 0 ? query.aperture : lens->MinAperture;
-  if (lens->InterpolateVignetting(focal, aperture, query.distance_m > 0 ? query.distance_m : 1000.0f, vignetting)) {
+  if (lens->InterpolateVignetting(focal, aperture, query.distance_m > 0 ? query.distance_m : 1000.0f,
+                                  vignetting)) {
     profile.vignetting = vignetting.Model == LF_VIGNETTING_MODEL_PA ? 1 : 0;
     std::copy_n(vignetting.Terms, 3, profile.vignetting_terms);
   }
@@ -65,7 +73,9 @@ bool find(const Query& query, Profile& profile, char* text, std::size_t text_siz
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) bool aluminate_find_lens_v1(const Query* query, Profile* profile, char* text, std::size_t text_size) {
+extern "C" __attribute__((visibility("default"))) bool aluminate_find_lens_v1(const Query* query,
+                                                                              Profile* profile, char* text,
+                                                                              std::size_t text_size) {
   try {
     *profile = {};
     return find(*query, *profile, text, text_size);

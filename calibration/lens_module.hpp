@@ -15,11 +15,11 @@ struct Query {
 };
 
 struct Profile {
-  std::int32_t distortion;        // 0 none, 1 poly3, 2 poly5, 3 ptlens
+  std::int32_t distortion;  // 0 none, 1 poly3, 2 poly5, 3 ptlens
   float distortion_terms[3];
-  std::int32_t lateral;           // 0 none, 1 linear (red, blue), 2 poly3 (v, c, b of red and blue, alternating)
+  std::int32_t lateral;  // 0 none, 1 linear (red, blue), 2 poly3 (v, c, b of red and blue, alternating)
   float lateral_terms[6];
-  std::int32_t vignetting;        // 0 none, 1 pa
+  std::int32_t vignetting;  // 0 none, 1 pa
   float vignetting_terms[3];
   float camera_crop, lens_crop, lens_aspect;  // the calibration's sensor against this one
   float centre_x, centre_y;                   // offset of the optical axis, relative

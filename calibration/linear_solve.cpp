@@ -9,14 +9,17 @@
 namespace aluminate::calibration {
 namespace {
 
-// A pivot of the scaled normal matrix below this is rounding: entries are sums of some 24 products of magnitude at most 1,
-// each wrong by at most 2^-53, and elimination with partial pivoting keeps such errors below about 1e-14. Every system
-// that an honest chart gives stays above 1e-9 (degree 5 of a channel mapped to [-1, 1]).
+// A pivot of the scaled normal matrix below this is rounding: entries are sums of some 24 products of
+// magnitude at most 1, each wrong by at most 2^-53, and elimination with partial pivoting keeps such errors
+// below about 1e-14. Every system that an honest chart gives stays above 1e-9 (degree 5 of a channel mapped
+// to [-1, 1]).
 constexpr double kSingularPivot = 1e-13;
 
 [[noreturn]] void refuse_singular(std::string_view what, std::size_t unknowns) {
-  throw UserError(fmt::format("{}: the samples do not determine its {} coefficients: they have too few different colours", what, unknowns),
-                  "use a simpler fit or a photograph in which more patches are usable");
+  throw UserError(
+      fmt::format("{}: the samples do not determine its {} coefficients: they have too few different colours",
+                  what, unknowns),
+      "use a simpler fit or a photograph in which more patches are usable");
 }
 
 }  // namespace
@@ -48,9 +51,10 @@ bool gauss_jordan(Table& a, Table& b, double singular) noexcept {
   return true;
 }
 
-Table least_squares(const Table& predictors, const Table& targets, std::span<const double> weights, std::string_view what) {
-  ALU_CHECK(predictors.rows == targets.rows && (weights.empty() || weights.size() == predictors.rows), "{} rows, {} targets, {} weights",
-            predictors.rows, targets.rows, weights.size());
+Table least_squares(const Table& predictors, const Table& targets, std::span<const double> weights,
+                    std::string_view what) {
+  ALU_CHECK(predictors.rows == targets.rows && (weights.empty() || weights.size() == predictors.rows),
+            "{} rows, {} targets, {} weights", predictors.rows, targets.rows, weights.size());
   const std::size_t n = predictors.columns, outputs = targets.columns;
   const auto weight = [&](std::size_t row) { return weights.empty() ? 1.0 : weights[row]; };
   std::size_t used = 0;
@@ -60,19 +64,23 @@ Table least_squares(const Table& predictors, const Table& targets, std::span<con
     ++used;
     for (const Table* table : {&predictors, &targets})
       for (std::size_t i = 0; i < table->columns; ++i)
-        if (!std::isfinite(table->at(row, i))) throw UserError(fmt::format("{}: a sample is not a finite number", what), "is the photograph damaged?");
-    for (std::size_t i = 0; i < n; ++i) scale[i] += weight(row) * predictors.at(row, i) * predictors.at(row, i);
+        if (!std::isfinite(table->at(row, i)))
+          throw UserError(fmt::format("{}: a sample is not a finite number", what),
+                          "is the photograph damaged?");
+    for (std::size_t i = 0; i < n; ++i)
+      scale[i] += weight(row) * predictors.at(row, i) * predictors.at(row, i);
   }
   if (used < n) {
-    throw UserError(fmt::format("{}: {} usable patches for {} unknowns", what, used, n), "use a simpler fit or a photograph in which more patches are usable");
+    throw UserError(fmt::format("{}: {} usable patches for {} unknowns", what, used, n),
+                    "use a simpler fit or a photograph in which more patches are usable");
   }
   for (double& s : scale) {
     if (!(s > 0.0)) refuse_singular(what, n);
     s = 1.0 / std::sqrt(s);
   }
 
-  // Refinement: the residual of the first solution is solved for as well, which takes back most of what squaring the
-  // condition number cost.
+  // Refinement: the residual of the first solution is solved for as well, which takes back most of what
+  // squaring the condition number cost.
   Table solution(n, outputs);
   for (int pass = 0; pass < 3; ++pass) {
     Table normal(n, n), right(n, outputs);

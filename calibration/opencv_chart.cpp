@@ -14,8 +14,8 @@ namespace aluminate::calibration {
 namespace {
 
 opencv_module::FindCharts open_finder() {
-  static const auto finder = reinterpret_cast<opencv_module::FindCharts>(
-      host::open_module(opencv_module::kFile, ALUMINATE_MODULE_DIR, opencv_module::kSymbol, "finds charts with OpenCV"));
+  static const auto finder = reinterpret_cast<opencv_module::FindCharts>(host::open_module(
+      opencv_module::kFile, ALUMINATE_MODULE_DIR, opencv_module::kSymbol, "finds charts with OpenCV"));
   return finder;
 }
 
@@ -33,14 +33,16 @@ std::vector<Corners> opencv_charts(const Photo& photo) {
   constexpr double kLongestPx = 1400.0;
   const double scale = std::min(4.0, kLongestPx / std::max(photo.width, photo.height));
   const SmallPicture picture = scaled_picture(photo, scale);
-  const std::size_t texels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
+  const std::size_t texels =
+      static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
   std::vector<std::uint8_t> bgr(texels * 3);
   float brightest = 1e-6f;  // an unscaled float or raw photograph may be dark
   for (const float value : picture.rgb) brightest = std::max(brightest, value);
   for (std::size_t i = 0; i < texels; ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       const double linear = std::pow(static_cast<double>(picture.rgb[3 * i + 2 - c] / brightest), 3.0);
-      bgr[3 * i + c] = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(linear_to_srgb(linear), 0.0, 1.0)));
+      bgr[3 * i + c] =
+          static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(linear_to_srgb(linear), 0.0, 1.0)));
     }
   constexpr int kMost = 3;
   std::array<float, kMost * 8> numbers{};

@@ -17,7 +17,9 @@ const std::vector<cv::Point2f> kModelCorners{{1.5f, 1.5f}, {15.25f, 1.5f}, {15.2
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) int aluminate_find_charts_v1(const std::uint8_t* bgr, int width, int height, int most,
+extern "C" __attribute__((visibility("default"))) int aluminate_find_charts_v1(const std::uint8_t* bgr,
+                                                                               int width, int height,
+                                                                               int most,
                                                                                float* quadrilaterals) {
   try {
     const cv::Mat picture(height, width, CV_8UC3, const_cast<std::uint8_t*>(bgr));

@@ -24,7 +24,8 @@ struct Pixels {
   std::vector<Point> place;  // in the patch, [-kSampledHalfWidth, kSampledHalfWidth]
 };
 
-Pixels gather(const Photo& photo, const Homography& to_photo, const Homography& to_chart, const Point& chart_centre) {
+Pixels gather(const Photo& photo, const Homography& to_photo, const Homography& to_chart,
+              const Point& chart_centre) {
   double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
   for (const double dx : {-kSampledHalfWidth, kSampledHalfWidth})
     for (const double dy : {-kSampledHalfWidth, kSampledHalfWidth}) {
@@ -34,8 +35,10 @@ Pixels gather(const Photo& photo, const Homography& to_photo, const Homography& 
       top = std::min(top, p.y);
       bottom = std::max(bottom, p.y);
     }
-  const int x0 = std::max(0, static_cast<int>(std::ceil(left))), x1 = std::min(photo.width - 1, static_cast<int>(std::floor(right)));
-  const int y0 = std::max(0, static_cast<int>(std::ceil(top))), y1 = std::min(photo.height - 1, static_cast<int>(std::floor(bottom)));
+  const int x0 = std::max(0, static_cast<int>(std::ceil(left))),
+            x1 = std::min(photo.width - 1, static_cast<int>(std::floor(right)));
+  const int y0 = std::max(0, static_cast<int>(std::ceil(top))),
+            y1 = std::min(photo.height - 1, static_cast<int>(std::floor(bottom)));
   Pixels pixels;
   const auto take = [&](int x, int y, const Point& offset) {
     const float* rgb = photo.pixel(x, y);
@@ -47,7 +50,8 @@ Pixels gather(const Photo& photo, const Homography& to_photo, const Homography& 
   for (int y = y0; y <= y1; y += step)
     for (int x = x0; x <= x1; x += step) {
       const Point offset = to_chart({static_cast<double>(x), static_cast<double>(y)}) - chart_centre;
-      if (std::fabs(offset.x) <= kSampledHalfWidth && std::fabs(offset.y) <= kSampledHalfWidth) take(x, y, offset);
+      if (std::fabs(offset.x) <= kSampledHalfWidth && std::fabs(offset.y) <= kSampledHalfWidth)
+        take(x, y, offset);
     }
   if (pixels.place.empty()) {  // patches of a few pixels: the one at the centre
     const Point p = to_photo(chart_centre);
@@ -63,7 +67,8 @@ double half_difference(const Pixels& pixels, const std::vector<bool>& kept, doub
   for (std::size_t i = 0; i < pixels.place.size(); ++i) {
     if (!kept[i] || pixels.place[i].*axis == 0.0) continue;
     const std::size_t half = pixels.place[i].*axis > 0.0 ? 1 : 0;
-    sums[half] += 0.2126 * static_cast<double>(pixels.rgb[0][i]) + 0.7152 * static_cast<double>(pixels.rgb[1][i]) +
+    sums[half] += 0.2126 * static_cast<double>(pixels.rgb[0][i]) +
+                  0.7152 * static_cast<double>(pixels.rgb[1][i]) +
                   0.0722 * static_cast<double>(pixels.rgb[2][i]);
     counts[half] += 1.0;
   }
@@ -85,8 +90,8 @@ PatchSample statistics(const Photo& photo, const Pixels& pixels, const Point& ce
     std::vector<float> values = pixels.rgb[c];
     middle[c] = median(values);
     for (float& value : values) value = std::fabs(value - static_cast<float>(middle[c]));
-    // 1.4826: the median absolute deviation of a normal distribution to its standard deviation. At least one 8-bit step
-    // near black (1/255/12.92), so that a patch of two codes keeps both.
+    // 1.4826: the median absolute deviation of a normal distribution to its standard deviation. At least one
+    // 8-bit step near black (1/255/12.92), so that a patch of two codes keeps both.
     limit[c] = 3.0 * std::max(1.4826 * median(values), 0.0005 + 0.004 * std::fabs(middle[c]));
   }
   std::vector<bool> kept(count);
@@ -120,7 +125,8 @@ PatchSample statistics(const Photo& photo, const Pixels& pixels, const Point& ce
   sample.clipped_high = static_cast<double>(high) / static_cast<double>(count);
   sample.clipped_low = static_cast<double>(low) / static_cast<double>(count);
   const std::vector<bool> all(count, true);  // an uneven patch shows in what the mean leaves out
-  sample.unevenness = std::max(half_difference(pixels, all, &Point::x), half_difference(pixels, all, &Point::y));
+  sample.unevenness =
+      std::max(half_difference(pixels, all, &Point::x), half_difference(pixels, all, &Point::y));
   return sample;
 }
 

@@ -1,5 +1,6 @@
-// A photograph in linear light. In: a file of any kind aluminate reads (platform/host/image_file.hpp), or a camera raw
-// (calibration/raw_file.hpp). Out: linear RGB in float, upright, and the levels at which a value says nothing any more.
+// A photograph in linear light. In: a file of any kind aluminate reads (platform/host/image_file.hpp), or a
+// camera raw (calibration/raw_file.hpp). Out: linear RGB in float, upright, and the levels at which a value
+// says nothing any more.
 #pragma once
 
 #include <array>
@@ -18,18 +19,20 @@ std::string_view encoding_name(Encoding encoding);
 
 struct Photo {
   int width = 0, height = 0;
-  std::vector<float> rgb_lin;               // width*height*3, row 0 on top, as shown: EXIF rotation is applied
+  std::vector<float> rgb_lin;  // width*height*3, row 0 on top, as shown: EXIF rotation is applied
   std::array<double, 3> clip_high{1, 1, 1};  // a value at or above carries no information
   double clip_low = -1e30;                   // nor one at or below; 0 for integer codes
   std::string kind;                          // "8-bit sRGB", "16-bit linear", "EXR", "raw ..."
 
   const float* pixel(int x, int y) const {
-    return rgb_lin.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    return rgb_lin.data() +
+           3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
   }
 };
 
-/// sRGB codes become linear light; encoding says what integers mean, floating point values are always linear. Alpha is
-/// dropped, grey is refused (a photograph of a chart has colour). Values that are not finite are refused.
+/// sRGB codes become linear light; encoding says what integers mean, floating point values are always linear.
+/// Alpha is dropped, grey is refused (a photograph of a chart has colour). Values that are not finite are
+/// refused.
 Photo photo_of(host::ImageFloat image, Encoding encoding, const std::string& name);
 
 /// Turns the pixels so that an EXIF orientation (1..8) becomes 1.

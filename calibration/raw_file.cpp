@@ -15,8 +15,8 @@ namespace aluminate::calibration {
 namespace {
 
 raw_module::DecodeRaw open_decoder() {
-  static const auto decoder = reinterpret_cast<raw_module::DecodeRaw>(
-      host::open_module(raw_module::kFile, ALUMINATE_MODULE_DIR, raw_module::kSymbol, "reads camera raw files with LibRaw"));
+  static const auto decoder = reinterpret_cast<raw_module::DecodeRaw>(host::open_module(
+      raw_module::kFile, ALUMINATE_MODULE_DIR, raw_module::kSymbol, "reads camera raw files with LibRaw"));
   return decoder;
 }
 
@@ -31,13 +31,16 @@ void receive(void* context, const raw_module::Facts* facts, const std::uint16_t*
   Mosaic& mosaic = *static_cast<Mosaic*>(context);
   mosaic.width = facts->width;
   mosaic.height = facts->height;
-  mosaic.samples.assign(samples, samples + static_cast<std::size_t>(facts->width) * static_cast<std::size_t>(facts->height));
+  mosaic.samples.assign(
+      samples, samples + static_cast<std::size_t>(facts->width) * static_cast<std::size_t>(facts->height));
   std::copy_n(facts->pattern, 4, mosaic.pattern.begin());
   for (std::size_t c = 0; c < 3; ++c) mosaic.black[c] = facts->black[c];
   mosaic.white = facts->white;
-  const double smallest = static_cast<double>(std::min({facts->multipliers[0], facts->multipliers[1], facts->multipliers[2]}));
+  const double smallest =
+      static_cast<double>(std::min({facts->multipliers[0], facts->multipliers[1], facts->multipliers[2]}));
   if (smallest > 0.0)
-    for (std::size_t c = 0; c < 3; ++c) mosaic.multipliers[c] = static_cast<double>(facts->multipliers[c]) / smallest;
+    for (std::size_t c = 0; c < 3; ++c)
+      mosaic.multipliers[c] = static_cast<double>(facts->multipliers[c]) / smallest;
   mosaic.orientation = facts->flip;
   mosaic.maker = facts->maker;
   mosaic.model = facts->model;
@@ -50,24 +53,32 @@ void receive(void* context, const raw_module::Facts* facts, const std::uint16_t*
 
 bool looks_like_raw(std::span<const std::uint8_t> bytes, const std::string& name) {
   const auto starts = [&](std::string_view magic, std::size_t at = 0) {
-    return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+    return bytes.size() >= at + magic.size() &&
+           std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
   };
   if (starts("FUJIFILMCCD-RAW") || starts("ftypcrx", 4) || starts("FOVb") || starts("IIU\0")) return true;
   // The others are TIFF inside: only their names tell them from pictures.
-  static constexpr std::array<std::string_view, 14> kEndings{".dng", ".cr2", ".nef", ".nrw", ".arw", ".sr2", ".orf", ".pef", ".rw2", ".raf", ".cr3", ".srw", ".3fr", ".iiq"};
+  static constexpr std::array<std::string_view, 14> kEndings{".dng", ".cr2", ".nef", ".nrw", ".arw",
+                                                             ".sr2", ".orf", ".pef", ".rw2", ".raf",
+                                                             ".cr3", ".srw", ".3fr", ".iiq"};
   std::string lower = name;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return std::any_of(kEndings.begin(), kEndings.end(), [&](std::string_view ending) { return lower.ends_with(ending); });
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return std::any_of(kEndings.begin(), kEndings.end(),
+                     [&](std::string_view ending) { return lower.ends_with(ending); });
 }
 
 Mosaic decode_raw(std::span<const std::uint8_t> bytes, const std::string& name) {
   Mosaic mosaic;
   char text[200] = "";
   if (!open_decoder()(bytes.data(), bytes.size(), receive, &mosaic, text, sizeof text)) {
-    throw UserError({name}, fmt::format("cannot read the raw file: {}", text), "is it complete? convert it to DNG when the camera is newer than this LibRaw");
+    throw UserError({name}, fmt::format("cannot read the raw file: {}", text),
+                    "is it complete? convert it to DNG when the camera is newer than this LibRaw");
   }
   if (!is_bayer(mosaic.pattern)) {
-    throw UserError({name}, fmt::format("the sensor's colours are arranged as '{}', expected a Bayer mosaic", std::string_view(mosaic.pattern.data(), 4)),
+    throw UserError({name},
+                    fmt::format("the sensor's colours are arranged as '{}', expected a Bayer mosaic",
+                                std::string_view(mosaic.pattern.data(), 4)),
                     "develop it to a linear 16-bit TIFF and use --encoding linear");
   }
   if (!(mosaic.white > *std::max_element(mosaic.black.begin(), mosaic.black.end()))) {
@@ -84,7 +95,8 @@ Mosaic mosaic_of_grey(const host::ImageFloat& image, const std::string& pattern,
     throw UserError(fmt::format("unknown Bayer pattern '{}'", pattern), host::did_you_mean(pattern, known));
   }
   if (image.channels.size() != 1 || image.stored == host::StoredAs::Float) {
-    throw UserError({name}, fmt::format("expected a mosaic of one 8- or 16-bit channel, found {} channels", image.channels.size()));
+    throw UserError({name}, fmt::format("expected a mosaic of one 8- or 16-bit channel, found {} channels",
+                                        image.channels.size()));
   }
   mosaic.width = image.width;
   mosaic.height = image.height;
@@ -92,26 +104,36 @@ Mosaic mosaic_of_grey(const host::ImageFloat& image, const std::string& pattern,
   mosaic.orientation = image.orientation;
   mosaic.samples.resize(image.texels.size());
   for (std::size_t i = 0; i < image.texels.size(); ++i)
-    mosaic.samples[i] = static_cast<std::uint16_t>(std::lround(static_cast<double>(image.texels[i]) * mosaic.white));
+    mosaic.samples[i] =
+        static_cast<std::uint16_t>(std::lround(static_cast<double>(image.texels[i]) * mosaic.white));
   return mosaic;
 }
 
-// Malvar, He and Cutler's linear 5 x 5 interpolation: bilinear plus a share of the Laplacian of the colour that was
-// measured at the pixel [Malvar04]. Exact on areas of one colour, which is all a chart needs, and sharp on edges.
+// Malvar, He and Cutler's linear 5 x 5 interpolation: bilinear plus a share of the Laplacian of the colour
+// that was measured at the pixel [Malvar04]. Exact on areas of one colour, which is all a chart needs, and
+// sharp on edges.
 Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   if (mosaic.width < 2 || mosaic.height < 2) throw UserError("a mosaic needs at least 2 x 2 pixels");
   const int w = mosaic.width, h = mosaic.height;
   std::array<std::size_t, 4> colours{};
   for (std::size_t i = 0; i < 4; ++i) colours[i] = colour_index(mosaic.pattern[i]);
-  const auto colour_at = [&](int x, int y) { return colours[static_cast<std::size_t>((y & 1) * 2 + (x & 1))]; };
+  const auto colour_at = [&](int x, int y) {
+    return colours[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+  };
 
   std::vector<float> level(mosaic.samples.size());  // black 0, white 1, times the multiplier
-  host::parallel_for(h, [&](std::int64_t row) {
-    for (int x = 0; x < w; ++x) {
-      const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x), c = colour_at(x, static_cast<int>(row));
-      level[i] = static_cast<float>((mosaic.samples[i] - mosaic.black[c]) / (mosaic.white - mosaic.black[c]) * mosaic.multipliers[c]);
-    }
-  }, 16);
+  host::parallel_for(
+      h,
+      [&](std::int64_t row) {
+        for (int x = 0; x < w; ++x) {
+          const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(w) +
+                                static_cast<std::size_t>(x),
+                            c = colour_at(x, static_cast<int>(row));
+          level[i] = static_cast<float>((mosaic.samples[i] - mosaic.black[c]) /
+                                        (mosaic.white - mosaic.black[c]) * mosaic.multipliers[c]);
+        }
+      },
+      16);
   const auto mirrored = [](int at, int size) {  // keeps the parity, and with it the colour
     if (at < 0) at = -at;
     if (at >= size) at = 2 * (size - 1) - at;
@@ -125,30 +147,37 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   // 0.5 % below full: interpolation mixes full pixels with others.
   for (std::size_t c = 0; c < 3; ++c) photo.clip_high[c] = 0.995 * mosaic.multipliers[c];
   photo.rgb_lin.resize(level.size() * 3);
-  host::parallel_for(h, [&](std::int64_t row) {
-    const int y = static_cast<int>(row);
-    for (int x = 0; x < w; ++x) {
-      const auto at = [&](int dx, int dy) {
-        return static_cast<double>(level[static_cast<std::size_t>(mirrored(y + dy, h)) * static_cast<std::size_t>(w) + static_cast<std::size_t>(mirrored(x + dx, w))]);
-      };
-      const double here = at(0, 0);
-      const double beside = at(-1, 0) + at(1, 0), above = at(0, -1) + at(0, 1), diagonal = at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1);
-      const double far_beside = at(-2, 0) + at(2, 0), far_above = at(0, -2) + at(0, 2);
-      Colour rgb{};
-      const std::size_t mine = colour_at(x, y);
-      rgb[mine] = here;
-      if (mine == 1) {
-        const std::size_t row_colour = colour_at(x + 1, y), column_colour = 2 - row_colour;
-        rgb[row_colour] = (5 * here + 4 * beside - diagonal - far_beside + 0.5 * far_above) / 8;
-        rgb[column_colour] = (5 * here + 4 * above - diagonal - far_above + 0.5 * far_beside) / 8;
-      } else {
-        rgb[1] = (4 * here + 2 * (beside + above) - far_beside - far_above) / 8;
-        rgb[2 - mine] = (6 * here + 2 * diagonal - 1.5 * (far_beside + far_above)) / 8;
-      }
-      float* to = photo.rgb_lin.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x));
-      for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(rgb[c]);
-    }
-  }, 8);
+  host::parallel_for(
+      h,
+      [&](std::int64_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < w; ++x) {
+          const auto at = [&](int dx, int dy) {
+            return static_cast<double>(
+                level[static_cast<std::size_t>(mirrored(y + dy, h)) * static_cast<std::size_t>(w) +
+                      static_cast<std::size_t>(mirrored(x + dx, w))]);
+          };
+          const double here = at(0, 0);
+          const double beside = at(-1, 0) + at(1, 0), above = at(0, -1) + at(0, 1),
+                       diagonal = at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1);
+          const double far_beside = at(-2, 0) + at(2, 0), far_above = at(0, -2) + at(0, 2);
+          Colour rgb{};
+          const std::size_t mine = colour_at(x, y);
+          rgb[mine] = here;
+          if (mine == 1) {
+            const std::size_t row_colour = colour_at(x + 1, y), column_colour = 2 - row_colour;
+            rgb[row_colour] = (5 * here + 4 * beside - diagonal - far_beside + 0.5 * far_above) / 8;
+            rgb[column_colour] = (5 * here + 4 * above - diagonal - far_above + 0.5 * far_beside) / 8;
+          } else {
+            rgb[1] = (4 * here + 2 * (beside + above) - far_beside - far_above) / 8;
+            rgb[2 - mine] = (6 * here + 2 * diagonal - 1.5 * (far_beside + far_above)) / 8;
+          }
+          float* to = photo.rgb_lin.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                                                  static_cast<std::size_t>(x));
+          for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(rgb[c]);
+        }
+      },
+      8);
   apply_orientation(photo, mosaic.orientation);
   return photo;
 }

@@ -19,13 +19,15 @@ void copy_text(char (&to)[N], const char* from) {
   std::snprintf(to, N, "%s", from);
 }
 
-bool decode_mosaic(const std::uint8_t* bytes, std::size_t count, Sink sink, void* context, char* text, std::size_t text_size) {
+bool decode_mosaic(const std::uint8_t* bytes, std::size_t count, Sink sink, void* context, char* text,
+                   std::size_t text_size) {
   const auto fail = [&](const char* what) {
     std::snprintf(text, text_size, "%s", what);
     return false;
   };
   const auto raw = std::make_unique<LibRaw>();  // a megabyte: not for the stack
-  if (const int error = raw->open_buffer(const_cast<std::uint8_t*>(bytes), count); error != LIBRAW_SUCCESS) return fail(libraw_strerror(error));
+  if (const int error = raw->open_buffer(const_cast<std::uint8_t*>(bytes), count); error != LIBRAW_SUCCESS)
+    return fail(libraw_strerror(error));
   if (const int error = raw->unpack(); error != LIBRAW_SUCCESS) return fail(libraw_strerror(error));
   if (raw->imgdata.process_warnings & LIBRAW_WARN_RAWSPEED_PROBLEM) return fail("the sensor data is damaged");
   const libraw_data_t& data = raw->imgdata;
@@ -54,8 +56,9 @@ bool decode_mosaic(const std::uint8_t* bytes, std::size_t count, Sink sink, void
     for (unsigned i = 0; i < 4; ++i) {
       const int colour = quad[i];
       if (colour >= 0 && colour < 4) {
-        facts.black[colour] = static_cast<std::int32_t>(data.color.black + data.color.cblack[colour] +
-                                                        data.color.cblack[6 + (i / 2 % rows) * columns + i % 2 % columns]);
+        facts.black[colour] =
+            static_cast<std::int32_t>(data.color.black + data.color.cblack[colour] +
+                                      data.color.cblack[6 + (i / 2 % rows) * columns + i % 2 % columns]);
       }
     }
   }
@@ -68,15 +71,18 @@ bool decode_mosaic(const std::uint8_t* bytes, std::size_t count, Sink sink, void
   std::vector<std::uint16_t> samples(static_cast<std::size_t>(size.width) * size.height);
   const std::size_t pitch = size.raw_pitch / sizeof(std::uint16_t);
   for (std::size_t y = 0; y < size.height; ++y)
-    std::copy_n(data.rawdata.raw_image + (y + size.top_margin) * pitch + size.left_margin, size.width, samples.data() + y * size.width);
+    std::copy_n(data.rawdata.raw_image + (y + size.top_margin) * pitch + size.left_margin, size.width,
+                samples.data() + y * size.width);
   sink(context, &facts, samples.data());
   return true;
 }
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) bool aluminate_decode_raw_v1(const std::uint8_t* bytes, std::size_t count, Sink sink,
-                                                                               void* context, char* text, std::size_t text_size) {
+extern "C" __attribute__((visibility("default"))) bool aluminate_decode_raw_v1(const std::uint8_t* bytes,
+                                                                               std::size_t count, Sink sink,
+                                                                               void* context, char* text,
+                                                                               std::size_t text_size) {
   try {
     return decode_mosaic(bytes, count, sink, context, text, text_size);
   } catch (const std::exception& error) {

@@ -16,22 +16,31 @@ constexpr int kLongestPx = 900;
 template <class Paint>
 host::Image8 reduced(const Photo& photo, Paint&& paint) {
   const double scale = std::min(1.0, static_cast<double>(kLongestPx) / std::max(photo.width, photo.height));
-  host::Image8 image{std::max(1, static_cast<int>(photo.width * scale)), std::max(1, static_cast<int>(photo.height * scale)), 3, {}};
+  host::Image8 image{std::max(1, static_cast<int>(photo.width * scale)),
+                     std::max(1, static_cast<int>(photo.height * scale)),
+                     3,
+                     {}};
   image.texels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3);
-  host::parallel_for(image.height, [&](std::int64_t row) {
-    const int y0 = static_cast<int>(row * photo.height / image.height), y1 = std::max(y0 + 1, static_cast<int>((row + 1) * photo.height / image.height));
-    std::uint8_t* to = image.texels.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) * 3;
-    for (int x = 0; x < image.width; ++x, to += 3) {
-      const int x0 = static_cast<int>(std::int64_t{x} * photo.width / image.width);
-      const int x1 = std::max(x0 + 1, static_cast<int>((std::int64_t{x} + 1) * photo.width / image.width));
-      Colour sum{};
-      for (int yy = y0; yy < y1; ++yy)
-        for (int xx = x0; xx < x1; ++xx)
-          for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(photo.pixel(xx, yy)[c]);
-      for (double& value : sum) value /= static_cast<double>((x1 - x0) * (y1 - y0));
-      paint(sum, to);
-    }
-  }, 4);
+  host::parallel_for(
+      image.height,
+      [&](std::int64_t row) {
+        const int y0 = static_cast<int>(row * photo.height / image.height),
+                  y1 = std::max(y0 + 1, static_cast<int>((row + 1) * photo.height / image.height));
+        std::uint8_t* to =
+            image.texels.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) * 3;
+        for (int x = 0; x < image.width; ++x, to += 3) {
+          const int x0 = static_cast<int>(std::int64_t{x} * photo.width / image.width);
+          const int x1 =
+              std::max(x0 + 1, static_cast<int>((std::int64_t{x} + 1) * photo.width / image.width));
+          Colour sum{};
+          for (int yy = y0; yy < y1; ++yy)
+            for (int xx = x0; xx < x1; ++xx)
+              for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(photo.pixel(xx, yy)[c]);
+          for (double& value : sum) value /= static_cast<double>((x1 - x0) * (y1 - y0));
+          paint(sum, to);
+        }
+      },
+      4);
   return image;
 }
 
@@ -46,14 +55,20 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t three = 0;
     for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63u];
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63u];
   }
   return text;
 }
 
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  for (const char c : text)
+    out += c == '<'   ? "&lt;"
+           : c == '>' ? "&gt;"
+           : c == '&' ? "&amp;"
+           : c == '"' ? "&quot;"
+                      : std::string(1, c);
   return out;
 }
 
@@ -81,7 +96,9 @@ std::vector<Outline> sampled_windows(const Calibration& calibration, int thumbna
     Outline outline;
     static constexpr std::array<Point, 4> kAround{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
     for (std::size_t k = 0; k < 4; ++k) {
-      const Point p = to_photo(Point{static_cast<double>(i % kChartColumns), static_cast<double>(i / kChartColumns)} + kSampledHalfWidth * kAround[k]);
+      const Point p =
+          to_photo(Point{static_cast<double>(i % kChartColumns), static_cast<double>(i / kChartColumns)} +
+                   kSampledHalfWidth * kAround[k]);
       outline.corners[k] = scale * p;
     }
     outlines.push_back(outline);
@@ -90,33 +107,49 @@ std::vector<Outline> sampled_windows(const Calibration& calibration, int thumbna
 }
 
 std::string picture_html(const host::Image8& image, const std::string& over = "") {
-  return fmt::format("<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\"><image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{2}\"/>{3}</svg>\n",
-                     image.width, image.height, base64(host::encode_png(image)), over);
+  return fmt::format(
+      "<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\"><image width=\"{0}\" height=\"{1}\" "
+      "href=\"data:image/png;base64,{2}\"/>{3}</svg>\n",
+      image.width, image.height, base64(host::encode_png(image)), over);
 }
 
 std::string diagram_svg(const Calibration& calibration) {
   const ChartReference& reference = chart_reference(calibration.options.edition);
-  std::string svg = fmt::format("<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" class=\"diagram\">\n"
-                                "<defs><marker id=\"tip\" markerWidth=\"6\" markerHeight=\"6\" refX=\"5\" refY=\"3\" orient=\"auto\"><path d=\"M0,0 L6,3 L0,6\"/></marker></defs>\n",
-                                kDiagramWidth * kDiagramPx, kDiagramHeight * kDiagramPx);
+  std::string svg = fmt::format(
+      "<svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" class=\"diagram\">\n"
+      "<defs><marker id=\"tip\" markerWidth=\"6\" markerHeight=\"6\" refX=\"5\" refY=\"3\" "
+      "orient=\"auto\"><path d=\"M0,0 L6,3 L0,6\"/></marker></defs>\n",
+      kDiagramWidth * kDiagramPx, kDiagramHeight * kDiagramPx);
   const Point r = diagram({0.64, 0.33, 0}), g = diagram({0.30, 0.60, 0}), b = diagram({0.15, 0.06, 0});
-  svg += fmt::format("<path class=\"gamut\" d=\"M{:.1f},{:.1f} L{:.1f},{:.1f} L{:.1f},{:.1f} Z\"/>\n", r.x, r.y, g.x, g.y, b.x, b.y);
+  svg += fmt::format("<path class=\"gamut\" d=\"M{:.1f},{:.1f} L{:.1f},{:.1f} L{:.1f},{:.1f} Z\"/>\n", r.x,
+                     r.y, g.x, g.y, b.x, b.y);
   for (std::size_t i = 0; i < kPatchCount; ++i) {
-    const Point target = diagram(xyy_of(reference.rgb_lin[i])), before = diagram(xyy_of(calibration.patches[i].mean)), after = diagram(xyy_of(calibration.fit.fit.corrected[i]));
-    svg += fmt::format("<line class=\"before\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>", before.x, before.y, target.x, target.y);
-    svg += fmt::format("<line class=\"after\" marker-end=\"url(#tip)\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>", target.x, target.y, after.x, after.y);
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"><title>{} {}</title></circle>\n", target.x, target.y, css_colour(reference.rgb_lin[i]), i + 1, patch_names()[i]);
+    const Point target = diagram(xyy_of(reference.rgb_lin[i])),
+                before = diagram(xyy_of(calibration.patches[i].mean)),
+                after = diagram(xyy_of(calibration.fit.fit.corrected[i]));
+    svg += fmt::format("<line class=\"before\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>",
+                       before.x, before.y, target.x, target.y);
+    svg += fmt::format(
+        "<line class=\"after\" marker-end=\"url(#tip)\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" "
+        "y2=\"{:.1f}\"/>",
+        target.x, target.y, after.x, after.y);
+    svg +=
+        fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"><title>{} {}</title></circle>\n",
+                    target.x, target.y, css_colour(reference.rgb_lin[i]), i + 1, patch_names()[i]);
   }
   return svg + "</svg>\n";
 }
 
 void draw_line(host::Image8& image, Point a, Point b, host::Rgb8 colour) {
-  const int steps = std::max(1, static_cast<int>(std::ceil(std::max(std::fabs(b.x - a.x), std::fabs(b.y - a.y)))));
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(std::max(std::fabs(b.x - a.x), std::fabs(b.y - a.y)))));
   for (int i = 0; i <= steps; ++i) {
     const Point p = a + static_cast<double>(i) / steps * (b - a);
     const int x = static_cast<int>(std::lround(p.x)), y = static_cast<int>(std::lround(p.y));
     if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
-    std::uint8_t* to = image.texels.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+    std::uint8_t* to =
+        image.texels.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                   static_cast<std::size_t>(x));
     to[0] = colour.r;
     to[1] = colour.g;
     to[2] = colour.b;
@@ -125,15 +158,24 @@ void draw_line(host::Image8& image, Point a, Point b, host::Rgb8 colour) {
 
 void paste(host::Image8& page, const host::Image8& picture, int left, int top) {
   for (int y = 0; y < picture.height; ++y)
-    std::copy_n(picture.texels.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width), 3 * static_cast<std::size_t>(picture.width),
-                page.texels.data() + 3 * (static_cast<std::size_t>(y + top) * static_cast<std::size_t>(page.width) + static_cast<std::size_t>(left)));
+    std::copy_n(
+        picture.texels.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width),
+        3 * static_cast<std::size_t>(picture.width),
+        page.texels.data() + 3 * (static_cast<std::size_t>(y + top) * static_cast<std::size_t>(page.width) +
+                                  static_cast<std::size_t>(left)));
 }
 
 constexpr const char* kStyle =
-    "body{font:14px sans-serif;margin:2em;max-width:960px;color:#222}table{border-collapse:collapse}td,th{padding:2px 10px;text-align:right}"
-    "td:nth-child(2),th:nth-child(2){text-align:left}tr:nth-child(even){background:#f4f4f4}.swatch{width:28px}svg{max-width:100%;height:auto;margin:.3em 0}"
-    ".window{fill:none;stroke:#0f0;stroke-width:1.5}.unused{stroke:#f00}.diagram{border:1px solid #ccc}.gamut{fill:none;stroke:#bbb}"
-    ".before{stroke:#c60;stroke-dasharray:3 3}.after{stroke:#06c;stroke-width:1.5}circle{stroke:#333}.number{font:11px sans-serif;fill:#0f0;text-anchor:middle}";
+    "body{font:14px "
+    "sans-serif;margin:2em;max-width:960px;color:#222}table{border-collapse:collapse}td,th{padding:2px "
+    "10px;text-align:right}"
+    "td:nth-child(2),th:nth-child(2){text-align:left}tr:nth-child(even){background:#f4f4f4}.swatch{width:"
+    "28px}svg{max-width:100%;height:auto;margin:.3em 0}"
+    ".window{fill:none;stroke:#0f0;stroke-width:1.5}.unused{stroke:#f00}.diagram{border:1px solid "
+    "#ccc}.gamut{fill:none;stroke:#bbb}"
+    ".before{stroke:#c60;stroke-dasharray:3 "
+    "3}.after{stroke:#06c;stroke-width:1.5}circle{stroke:#333}.number{font:11px "
+    "sans-serif;fill:#0f0;text-anchor:middle}";
 
 }  // namespace
 
@@ -160,42 +202,70 @@ std::string report_html(const Calibration& calibration, const ReportPictures& pi
       points += fmt::format("{:.1f},{:.1f} ", p.x, p.y);
       middle = middle + 0.25 * p;
     }
-    overlay += fmt::format("<polygon class=\"window{}\" points=\"{}\"><title>{} {}</title></polygon>", calibration.patches[i].usable() ? "" : " unused", points, i + 1, patch_names()[i]);
-    if (i == 0 || i == 5 || i == 18 || i == 23) overlay += fmt::format("<text class=\"number\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", middle.x, middle.y + 4, i + 1);
+    overlay += fmt::format("<polygon class=\"window{}\" points=\"{}\"><title>{} {}</title></polygon>",
+                           calibration.patches[i].usable() ? "" : " unused", points, i + 1, patch_names()[i]);
+    if (i == 0 || i == 5 || i == 18 || i == 23)
+      overlay += fmt::format("<text class=\"number\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", middle.x,
+                             middle.y + 4, i + 1);
   }
-  std::string html = fmt::format("<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>calibration of {0}</title><style>{1}</style>\n<h1>{0}</h1>\n<p>{2}</p>\n",
-                                 escaped(calibration.photo), kStyle, escaped(verdict_line(calibration)));
-  html += "<h2>The chart in the photograph</h2>\n<p>Green: what was sampled. Red: patches that were not used.</p>\n" + picture_html(pictures.before, overlay);
+  std::string html = fmt::format(
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>calibration of "
+      "{0}</title><style>{1}</style>\n<h1>{0}</h1>\n<p>{2}</p>\n",
+      escaped(calibration.photo), kStyle, escaped(verdict_line(calibration)));
+  html +=
+      "<h2>The chart in the photograph</h2>\n<p>Green: what was sampled. Red: patches that were not "
+      "used.</p>\n" +
+      picture_html(pictures.before, overlay);
   html += "<h2>Albedo</h2>\n" + picture_html(pictures.after);
   const CorrectionCounts& c = calibration.counts;
   const double percent = 100.0 / static_cast<double>(std::max<std::int64_t>(c.pixels, 1));
-  html += fmt::format("<h2>Plausible materials</h2>\n<p>Luminance above {:g} in magenta ({:.2f} % of pixels), below {:g} in cyan ({:.2f} %). Negative and clipped: {:.2f} %. "
-                      "Above 1: {:.2f} %. At a limit of the photograph, and therefore a guess: {:.2f} %.</p>\n",
-                      kBrightestAlbedo, percent * static_cast<double>(c.too_bright), kDarkestAlbedo, percent * static_cast<double>(c.too_dark),
-                      percent * static_cast<double>(c.negative), percent * static_cast<double>(c.above_one), percent * static_cast<double>(c.clipped_input));
+  html += fmt::format(
+      "<h2>Plausible materials</h2>\n<p>Luminance above {:g} in magenta ({:.2f} % of pixels), below {:g} in "
+      "cyan ({:.2f} %). Negative and clipped: {:.2f} %. "
+      "Above 1: {:.2f} %. At a limit of the photograph, and therefore a guess: {:.2f} %.</p>\n",
+      kBrightestAlbedo, percent * static_cast<double>(c.too_bright), kDarkestAlbedo,
+      percent * static_cast<double>(c.too_dark), percent * static_cast<double>(c.negative),
+      percent * static_cast<double>(c.above_one), percent * static_cast<double>(c.clipped_input));
   html += picture_html(pictures.range);
-  html += "<h2>Chromaticity</h2>\n<p>Orange: from the photograph to the reference. Blue: what remains. Triangle: sRGB.</p>\n" + diagram_svg(calibration);
-  html += "<h2>Patches</h2>\n<table><tr><th></th><th>patch</th><th>photo</th><th>albedo</th><th>reference</th><th>dE2000 before</th><th>after</th><th>luminance</th><th>note</th></tr>\n";
+  html +=
+      "<h2>Chromaticity</h2>\n<p>Orange: from the photograph to the reference. Blue: what remains. Triangle: "
+      "sRGB.</p>\n" +
+      diagram_svg(calibration);
+  html +=
+      "<h2>Patches</h2>\n<table><tr><th></th><th>patch</th><th>photo</th><th>albedo</th><th>reference</"
+      "th><th>dE2000 before</th><th>after</th><th>luminance</th><th>note</th></tr>\n";
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     const PatchSample& sample = calibration.patches[i];
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"swatch\" style=\"background:{}\"></td><td class=\"swatch\" style=\"background:{}\"></td><td class=\"swatch\" style=\"background:{}\"></td>"
-                        "<td>{:.2f}</td><td>{:.2f}</td><td>{:.3f}</td><td>{}</td></tr>\n",
-                        i + 1, patch_names()[i], css_colour(sample.mean), css_colour(fit.corrected[i]), css_colour(reference.rgb_lin[i]), fit.before.de2000[i], fit.after.de2000[i],
-                        rgb_to_xyz(fit.corrected[i])[1], sample.is_clipped() ? "clipped" : sample.is_uneven() ? "uneven" : outside_gamut(reference.rgb_lin[i]) ? "outside of sRGB" : "");
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td class=\"swatch\" style=\"background:{}\"></td><td class=\"swatch\" "
+        "style=\"background:{}\"></td><td class=\"swatch\" style=\"background:{}\"></td>"
+        "<td>{:.2f}</td><td>{:.2f}</td><td>{:.3f}</td><td>{}</td></tr>\n",
+        i + 1, patch_names()[i], css_colour(sample.mean), css_colour(fit.corrected[i]),
+        css_colour(reference.rgb_lin[i]), fit.before.de2000[i], fit.after.de2000[i],
+        rgb_to_xyz(fit.corrected[i])[1],
+        sample.is_clipped()                   ? "clipped"
+        : sample.is_uneven()                  ? "uneven"
+        : outside_gamut(reference.rgb_lin[i]) ? "outside of sRGB"
+                                              : "");
   }
   return html + "</table></html>\n";
 }
 
 std::vector<std::uint8_t> report_png(const Calibration& calibration, const ReportPictures& pictures) {
   constexpr int kMargin = 16;
-  const int diagram_width = static_cast<int>(kDiagramWidth * kDiagramPx), diagram_height = static_cast<int>(kDiagramHeight * kDiagramPx);
-  host::Image8 page{2 * pictures.before.width + diagram_width + 4 * kMargin, std::max(pictures.before.height, diagram_height) + 2 * kMargin, 3, {}};
+  const int diagram_width = static_cast<int>(kDiagramWidth * kDiagramPx),
+            diagram_height = static_cast<int>(kDiagramHeight * kDiagramPx);
+  host::Image8 page{2 * pictures.before.width + diagram_width + 4 * kMargin,
+                    std::max(pictures.before.height, diagram_height) + 2 * kMargin,
+                    3,
+                    {}};
   page.texels.assign(static_cast<std::size_t>(page.width) * static_cast<std::size_t>(page.height) * 3, 250);
   host::Image8 before = pictures.before;
   const std::vector<Outline> windows = sampled_windows(calibration, before.width);
   for (std::size_t i = 0; i < kPatchCount; ++i)
     for (std::size_t k = 0; k < 4; ++k)
-      draw_line(before, windows[i].corners[k], windows[i].corners[(k + 1) % 4], calibration.patches[i].usable() ? host::Rgb8{0, 255, 0} : host::Rgb8{255, 0, 0});
+      draw_line(before, windows[i].corners[k], windows[i].corners[(k + 1) % 4],
+                calibration.patches[i].usable() ? host::Rgb8{0, 255, 0} : host::Rgb8{255, 0, 0});
   paste(page, before, kMargin, kMargin);
   paste(page, pictures.range, before.width + 2 * kMargin, kMargin);
   const Point origin{2.0 * before.width + 3.0 * kMargin, static_cast<double>(kMargin)};

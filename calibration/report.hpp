@@ -1,6 +1,6 @@
-// A page for a person: the chart's place in the photograph, before and after, residuals in the chromaticity diagram, every
-// patch's error, and which pixels are no plausible material. HTML is one file without outside references; PNG is the
-// pictures and the diagram of it.
+// A page for a person: the chart's place in the photograph, before and after, residuals in the chromaticity
+// diagram, every patch's error, and which pixels are no plausible material. HTML is one file without outside
+// references; PNG is the pictures and the diagram of it.
 #pragma once
 
 #include <cstdint>

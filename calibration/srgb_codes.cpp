@@ -16,7 +16,8 @@ SrgbCodes::SrgbCodes() {
     const double from = static_cast<double>(std::bit_cast<float>(kFirstBits + (i << kShift)));
     const double to = static_cast<double>(std::bit_cast<float>(kFirstBits + ((i + 1) << kShift)));
     const double at_from = linear_to_srgb(from), at_to = linear_to_srgb(to);
-    table_.push_back({static_cast<float>(from), static_cast<float>(at_from), static_cast<float>((at_to - at_from) / (to - from))});
+    table_.push_back({static_cast<float>(from), static_cast<float>(at_from),
+                      static_cast<float>((at_to - at_from) / (to - from))});
   }
 }
 

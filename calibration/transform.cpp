@@ -13,7 +13,8 @@ namespace {
 // cbrt by an exponent-dividing first guess and three Halley steps, so that a loop over it vectorises. x >= 0.
 // Error of the guess below 6 %; a step turns e into about 2/3 e^3: 6e-2, 1.5e-4, 2e-12, rounding.
 inline double cube_root(double x) noexcept {
-  constexpr std::uint64_t kBias = 0x2A9F'7893'0000'0000u;  // two thirds of the exponent bias, tuned for the mantissa
+  constexpr std::uint64_t kBias =
+      0x2A9F'7893'0000'0000u;  // two thirds of the exponent bias, tuned for the mantissa
   double y = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 3 + kBias);
   for (int step = 0; step < 3; ++step) {
     const double cube = y * y * y;
@@ -36,7 +37,9 @@ inline void matrix_columns(const Matrix3& m, double& a, double& b, double& c) no
   c = m[2][0] * x + m[2][1] * y + m[2][2] * z;
 }
 
-inline double at_least(double value, double bound) noexcept { return value > bound ? value : bound; }  // a NaN becomes the bound
+inline double at_least(double value, double bound) noexcept {
+  return value > bound ? value : bound;
+}  // a NaN becomes the bound
 
 inline double within(double value, double low, double high) noexcept {
   const double raised = at_least(value, low);
@@ -81,7 +84,8 @@ void correct_kind(const LinearFit& fit, double* r, double* g, double* b, std::si
 
 void correct_kind(const ToneLinear& fit, double* r, double* g, double* b, std::size_t count) noexcept {
   for (double* channel : {r, g, b})
-    for (std::size_t i = 0; i < count; ++i) channel[i] = std::copysign(std::pow(std::fabs(channel[i]), fit.exponent), channel[i]);
+    for (std::size_t i = 0; i < count; ++i)
+      channel[i] = std::copysign(std::pow(std::fabs(channel[i]), fit.exponent), channel[i]);
   const Affine f = fit.matrix;
   for (std::size_t i = 0; i < count; ++i) affine_columns(f, r[i], g[i], b[i]);
 }
@@ -133,9 +137,12 @@ void correct_root(const RootPolynomial& fit, double* r, double* g, double* b, st
 }
 
 void correct_kind(const RootPolynomial& fit, double* r, double* g, double* b, std::size_t count) noexcept {
-  if (fit.degree == 1) correct_root<1>(fit, r, g, b, count);
-  else if (fit.degree == 2) correct_root<2>(fit, r, g, b, count);
-  else correct_root<3>(fit, r, g, b, count);
+  if (fit.degree == 1)
+    correct_root<1>(fit, r, g, b, count);
+  else if (fit.degree == 2)
+    correct_root<2>(fit, r, g, b, count);
+  else
+    correct_root<3>(fit, r, g, b, count);
 }
 
 void correct_kind(const AffinePolyAffine& fit, double* r, double* g, double* b, std::size_t count) noexcept {
@@ -169,7 +176,8 @@ std::size_t root_term_count(int degree) { return degree == 1 ? 3 : degree == 2 ?
 
 const std::array<std::string_view, 13>& root_term_names() {
   static constexpr std::array<std::string_view, 13> kNames{
-      "r", "g", "b", "sqrt(rg)", "sqrt(gb)", "sqrt(rb)", "cbrt(rgg)", "cbrt(gbb)", "cbrt(rbb)", "cbrt(grr)", "cbrt(bgg)", "cbrt(brr)", "cbrt(rgb)"};
+      "r",         "g",         "b",         "sqrt(rg)",  "sqrt(gb)",  "sqrt(rb)", "cbrt(rgg)",
+      "cbrt(gbb)", "cbrt(rbb)", "cbrt(grr)", "cbrt(bgg)", "cbrt(brr)", "cbrt(rgb)"};
   return kNames;
 }
 
@@ -188,7 +196,9 @@ Colour evaluate(const Affine& affine, const Colour& in) noexcept {
   return out;
 }
 
-Colour clamp_xyy(const Colour& xyy) noexcept { return {xyy[0], at_least(xyy[1], kMinChromaY), at_least(xyy[2], 0.0)}; }
+Colour clamp_xyy(const Colour& xyy) noexcept {
+  return {xyy[0], at_least(xyy[1], kMinChromaY), at_least(xyy[2], 0.0)};
+}
 
 Colour rgb_to_stage_xyy(const Colour& rgb) noexcept {
   Colour xyy = rgb;
@@ -207,8 +217,10 @@ Colour correct(const Transform& transform, const Colour& rgb) noexcept {
 }
 
 std::string transform_name(const Transform& transform) {
-  if (const auto* root = std::get_if<RootPolynomial>(&transform)) return fmt::format("root-poly {}", root->degree);
-  if (const auto* chain = std::get_if<AffinePolyAffine>(&transform)) return fmt::format("affine-poly-affine {}", chain->degree);
+  if (const auto* root = std::get_if<RootPolynomial>(&transform))
+    return fmt::format("root-poly {}", root->degree);
+  if (const auto* chain = std::get_if<AffinePolyAffine>(&transform))
+    return fmt::format("affine-poly-affine {}", chain->degree);
   return std::holds_alternative<LinearFit>(transform) ? "linear" : "tone-linear";
 }
 

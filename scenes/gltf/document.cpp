@@ -299,7 +299,8 @@ void parse_structure(Document& document, std::span<const std::uint8_t> bytes, co
     error = thrown.what();
     done = false;
   }
-  // With success, remarks are about parts that are not read, such as skins: what is read has passed check_schema.
+  // With success, remarks are about parts that are not read, such as skins: what is read has passed
+  // check_schema.
   if (done) return;
   error = error.substr(0, error.find('\n'));
   if (error.size() > 200) error = error.substr(0, 200) + "...";  // it quotes data URIs in full

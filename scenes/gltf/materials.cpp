@@ -161,7 +161,7 @@ class Reader {
 
   template <typename Info>  // TextureInfo, NormalTextureInfo and OcclusionTextureInfo share these members
                             // only
-                            TextureSlot slot(const Info& info, const char* use) {
+  TextureSlot slot(const Info& info, const char* use) {
     const auto found = info.extensions.find("KHR_texture_transform");
     return slot(info.index, info.texCoord, found == info.extensions.end() ? Value() : found->second, use);
   }

@@ -27,7 +27,11 @@ using testing::HasSubstr;
 
 class Folder {
  public:
-  Folder() : path_(fs::path(testing::TempDir()) / ("calibrate_test_" + std::to_string(::getpid()) + "_" + std::to_string(count_++))) { fs::create_directories(path_); }
+  Folder()
+      : path_(fs::path(testing::TempDir()) /
+              ("calibrate_test_" + std::to_string(::getpid()) + "_" + std::to_string(count_++))) {
+    fs::create_directories(path_);
+  }
   ~Folder() { fs::remove_all(path_); }
   std::string operator/(const std::string& name) const { return (path_ / name).string(); }
   std::string path() const { return path_.string(); }
@@ -45,9 +49,13 @@ test::Scene realistic_scene() {
 
 TEST(SrgbCodes, EverySixteenBitCodeSurvivesDecodingAndEncoding) {
   const SrgbCodes& codes = SrgbCodes::instance();
-  for (int code = 0; code <= 65535; ++code) ASSERT_EQ(codes.code16(static_cast<float>(srgb_to_linear(code / 65535.0))), code);
-  for (int code = 0; code <= 255; ++code) ASSERT_EQ(codes.code8(static_cast<float>(srgb_to_linear(code / 255.0))), code);
-  for (double linear = 0.0; linear <= 1.0; linear += 1.7e-5) ASSERT_NEAR(codes.encode(static_cast<float>(linear)), linear_to_srgb(linear), 5e-7) << linear;  // 2^-24 four times and the chord
+  for (int code = 0; code <= 65535; ++code)
+    ASSERT_EQ(codes.code16(static_cast<float>(srgb_to_linear(code / 65535.0))), code);
+  for (int code = 0; code <= 255; ++code)
+    ASSERT_EQ(codes.code8(static_cast<float>(srgb_to_linear(code / 255.0))), code);
+  for (double linear = 0.0; linear <= 1.0; linear += 1.7e-5)
+    ASSERT_NEAR(codes.encode(static_cast<float>(linear)), linear_to_srgb(linear), 5e-7)
+        << linear;  // 2^-24 four times and the chord
   EXPECT_EQ(codes.code16(-0.5f), 0);
   EXPECT_EQ(codes.code16(7.0f), 65535);
   EXPECT_EQ(codes.code16(std::nanf("")), 0);
@@ -60,17 +68,21 @@ TEST(CorrectPhoto, IdentityKeepsSixteenBits) {
   image.channels = {"R", "G", "B"};
   image.stored = host::StoredAs::Unorm16;
   for (int i = 0; i < 65536; ++i)
-    for (const int code : {i, 65535 - i, (i * 7919) & 65535}) image.texels.push_back(static_cast<float>(code) / 65535.0f);
+    for (const int code : {i, 65535 - i, (i * 7919) & 65535})
+      image.texels.push_back(static_cast<float>(code) / 65535.0f);
   const std::vector<float> codes = image.texels;
   // The chain goes through xyY and back: what it loses must not reach a code.
   AffinePolyAffine chain;
   for (Polynomial& p : chain.polynomials) p.high = 10.0;
-  for (const Transform& identity : {Transform(LinearFit{}), Transform(ToneLinear{}), Transform(RootPolynomial{1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}), Transform(chain)}) {
+  for (const Transform& identity :
+       {Transform(LinearFit{}), Transform(ToneLinear{}),
+        Transform(RootPolynomial{1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}), Transform(chain)}) {
     Photo photo = photo_of(image, Encoding::Srgb, "test");
     correct_photo(photo, identity);
     int worst = 0;
     for (std::size_t i = 0; i < codes.size(); ++i)
-      worst = std::max(worst, std::abs(static_cast<int>(SrgbCodes::instance().code16(photo.rgb_lin[i])) - static_cast<int>(std::lround(codes[i] * 65535.0f))));
+      worst = std::max(worst, std::abs(static_cast<int>(SrgbCodes::instance().code16(photo.rgb_lin[i])) -
+                                       static_cast<int>(std::lround(codes[i] * 65535.0f))));
     // Chromaticities beyond the box of the first stage are noise and are clamped; the others are exact.
     EXPECT_LE(worst, std::holds_alternative<AffinePolyAffine>(identity) ? 1 : 0) << transform_name(identity);
   }
@@ -81,7 +93,8 @@ TEST(CorrectPhoto, CountsWhatIsNoMaterial) {
   photo.width = 6;
   photo.height = 1;
   photo.clip_low = 0.0;
-  photo.rgb_lin = {0.5f, 0.5f, 0.5f, 0.01f, 0.01f, 0.01f, 0.95f, 0.95f, 0.95f, 1.0f, 0.5f, 0.5f, 0.0f, 0.2f, 0.2f, 0.3f, -0.1f, 0.3f};
+  photo.rgb_lin = {0.5f, 0.5f, 0.5f, 0.01f, 0.01f, 0.01f, 0.95f, 0.95f, 0.95f,
+                   1.0f, 0.5f, 0.5f, 0.0f,  0.2f,  0.2f,  0.3f,  -0.1f, 0.3f};
   const CorrectionCounts counts = correct_photo(photo, LinearFit{});
   EXPECT_EQ(counts.pixels, 6);
   EXPECT_EQ(counts.too_dark, 2);  // 0.01, and the one with negative green
@@ -110,7 +123,9 @@ TEST(CorrectPhoto, ThreadsDoNotChangeAnything) {
 
 TEST(Photo, OrientationIsAppliedAsExifSays) {
   // Stored 3 x 2: 1 2 3 / 4 5 6. What is shown for each orientation.
-  const std::vector<std::vector<int>> shown{{1, 2, 3, 4, 5, 6}, {3, 2, 1, 6, 5, 4}, {6, 5, 4, 3, 2, 1}, {4, 5, 6, 1, 2, 3}, {1, 4, 2, 5, 3, 6}, {4, 1, 5, 2, 6, 3}, {6, 3, 5, 2, 4, 1}, {3, 6, 2, 5, 1, 4}};
+  const std::vector<std::vector<int>> shown{{1, 2, 3, 4, 5, 6}, {3, 2, 1, 6, 5, 4}, {6, 5, 4, 3, 2, 1},
+                                            {4, 5, 6, 1, 2, 3}, {1, 4, 2, 5, 3, 6}, {4, 1, 5, 2, 6, 3},
+                                            {6, 3, 5, 2, 4, 1}, {3, 6, 2, 5, 1, 4}};
   for (int orientation = 1; orientation <= 8; ++orientation) {
     Photo photo;
     photo.width = 3;
@@ -129,7 +144,10 @@ TEST(Calibrate, RealisticPhotographMeetsTheBarAndItsAlbedoIsRight) {
   const Folder folder;
   const test::Scene scene = realistic_scene();
   test::write_photograph(scene, folder / "photo.png");
-  const Calibration done = calibrate(folder / "photo.png", {}, {folder / "out.png", folder / "out.json", folder / "out.cube", folder / "out.html", folder / "out.gltf", ""}, "test");
+  const Calibration done = calibrate(folder / "photo.png", {},
+                                     {folder / "out.png", folder / "out.json", folder / "out.cube",
+                                      folder / "out.html", folder / "out.gltf", ""},
+                                     "test");
   EXPECT_LE(done.fit.fit.after.mean_de76, 2.5);
   EXPECT_EQ(done.chart.finder, "grid");
 
@@ -138,13 +156,16 @@ TEST(Calibrate, RealisticPhotographMeetsTheBarAndItsAlbedoIsRight) {
   const PatchSamples patches = sample_patches(corrected, scene.corners);
   const ChartReference& reference = chart_reference(scene.edition);
   double sum = 0.0;
-  for (std::size_t i = 0; i < kPatchCount; ++i) sum += delta_e_76(rgb_to_lab(patches[i].mean), reference.lab_d65[i]) / 24.0;
+  for (std::size_t i = 0; i < kPatchCount; ++i)
+    sum += delta_e_76(rgb_to_lab(patches[i].mean), reference.lab_d65[i]) / 24.0;
   EXPECT_LE(sum, 2.5);
   EXPECT_NEAR(rgb_to_xyz(patches[kWhitePatch].mean)[1], 0.88, 0.03);
   EXPECT_NEAR(rgb_to_xyz(patches[kBlackPatch].mean)[1], 0.031, 0.01);
 
   const std::string html = host::read_text(folder / "out.html");
-  for (const char* part : {"<svg", "data:image/png;base64,", "class=\"window", "marker-end", "dark skin", "</html>"}) EXPECT_THAT(html, HasSubstr(part));
+  for (const char* part :
+       {"<svg", "data:image/png;base64,", "class=\"window", "marker-end", "dark skin", "</html>"})
+    EXPECT_THAT(html, HasSubstr(part));
   EXPECT_EQ(html.find("http"), std::string::npos) << "the page must not load anything";
   const nlohmann::json gltf = nlohmann::json::parse(host::read_text(folder / "out.gltf"));
   EXPECT_EQ(gltf["images"][0]["uri"], "out.png");
@@ -154,16 +175,22 @@ TEST(Calibrate, JsonRepeatsTheCorrectionByHand) {
   const Folder folder;
   test::write_photograph(realistic_scene(), folder / "photo.png");
   CalibrationOptions options;
-  for (const auto& [kind, degree] : {std::pair{FitKind::Linear, 1}, {FitKind::ToneLinear, 1}, {FitKind::RootPoly, 2}, {FitKind::AffinePolyAffine, 3}}) {
+  for (const auto& [kind, degree] : {std::pair{FitKind::Linear, 1},
+                                     {FitKind::ToneLinear, 1},
+                                     {FitKind::RootPoly, 2},
+                                     {FitKind::AffinePolyAffine, 3}}) {
     options.fit = kind;
     options.degree = degree;
-    const Calibration done = calibrate(folder / "photo.png", options, {"", folder / "out.json", "", "", "", ""}, "test");
+    const Calibration done =
+        calibrate(folder / "photo.png", options, {"", folder / "out.json", "", "", "", ""}, "test");
     const nlohmann::json json = nlohmann::json::parse(host::read_text(folder / "out.json"));
     EXPECT_EQ(json["schema"], "aluminate.calibrate/1");
     ASSERT_EQ(json["patches"].size(), 24u);
     const auto affine = [](const nlohmann::json& m, const Colour& v) {
       Colour out{};
-      for (std::size_t i = 0; i < 3; ++i) out[i] = m[i][0].get<double>() * v[0] + m[i][1].get<double>() * v[1] + m[i][2].get<double>() * v[2] + m[i][3].get<double>();
+      for (std::size_t i = 0; i < 3; ++i)
+        out[i] = m[i][0].get<double>() * v[0] + m[i][1].get<double>() * v[1] + m[i][2].get<double>() * v[2] +
+                 m[i][3].get<double>();
       return out;
     };
     const nlohmann::json& t = json["transform"];
@@ -178,20 +205,24 @@ TEST(Calibrate, JsonRepeatsTheCorrectionByHand) {
         const std::vector<double> terms = root_terms(2, v);
         v = {};
         for (std::size_t i = 0; i < terms.size(); ++i)
-          for (std::size_t c = 0; c < 3; ++c) v[c] += terms[i] * t["coefficients"][std::string(root_term_names()[i])][c].get<double>();
+          for (std::size_t c = 0; c < 3; ++c)
+            v[c] += terms[i] * t["coefficients"][std::string(root_term_names()[i])][c].get<double>();
       }
       if (kind == FitKind::AffinePolyAffine) {
         v = affine(t["first"], xyz_to_xyy(rgb_to_xyz(v)));
         for (std::size_t c = 0; c < 3; ++c) {
           double sum = 0.0, power = 1.0;
-          for (const nlohmann::json& a : t["polynomials"][c]["coefficients"]) sum += a.get<double>() * power, power *= v[c];
+          for (const nlohmann::json& a : t["polynomials"][c]["coefficients"])
+            sum += a.get<double>() * power, power *= v[c];
           v[c] = sum;
         }
         v = xyz_to_rgb(xyy_to_xyz(affine(t["last"], v)));
       }
-      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], patch["corrected_lin"][c].get<double>(), 1e-12) << t["name"];
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(v[c], patch["corrected_lin"][c].get<double>(), 1e-12) << t["name"];
     }
-    for (std::size_t i = 1; i < json["stage_rms_xyy"].size(); ++i) EXPECT_LE(json["stage_rms_xyy"][i], json["stage_rms_xyy"][i - 1]);
+    for (std::size_t i = 1; i < json["stage_rms_xyy"].size(); ++i)
+      EXPECT_LE(json["stage_rms_xyy"][i], json["stage_rms_xyy"][i - 1]);
     EXPECT_EQ(done.width, 640);
   }
 }
@@ -213,9 +244,12 @@ TEST(Cube, HoldsTheTransformAtItsPointsRedFastest) {
   ASSERT_EQ(size, 5);
   ASSERT_EQ(points.size(), 125u);
   for (std::size_t i = 0; i < 125; ++i) {
-    const Colour in{srgb_to_linear(static_cast<double>(i % 5) / 4), srgb_to_linear(static_cast<double>(i / 5 % 5) / 4), srgb_to_linear(static_cast<double>(i / 25) / 4)};
+    const Colour in{srgb_to_linear(static_cast<double>(i % 5) / 4),
+                    srgb_to_linear(static_cast<double>(i / 5 % 5) / 4),
+                    srgb_to_linear(static_cast<double>(i / 25) / 4)};
     const Colour out = correct(Transform(fit), in);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(points[i][c], std::min(linear_to_srgb(out[c]), 1.0), 6e-7) << i;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(points[i][c], std::min(linear_to_srgb(out[c]), 1.0), 6e-7) << i;
   }
   EXPECT_THROW(cube_text(fit, 1, ""), UserError);
 }
@@ -226,11 +260,13 @@ TEST(Calibrate, ExrIsLinearAndUnclipped) {
   test::write_photograph(scene, folder / "photo.png");
   calibrate(folder / "photo.png", {}, {folder / "out.exr", "", "", "", "", ""}, "test");
   calibrate(folder / "photo.png", {}, {folder / "out.tif", "", "", "", "", ""}, "test");
-  const host::ImageFloat exr = host::read_image(folder / "out.exr"), tif = host::read_image(folder / "out.tif");
+  const host::ImageFloat exr = host::read_image(folder / "out.exr"),
+                         tif = host::read_image(folder / "out.tif");
   ASSERT_EQ(exr.texels.size(), tif.texels.size());
   EXPECT_EQ(tif.stored, host::StoredAs::Unorm16);
   for (std::size_t i = 0; i < exr.texels.size(); ++i)
-    ASSERT_NEAR(linear_to_srgb(std::min(static_cast<double>(exr.texels[i]), 1.0)), static_cast<double>(tif.texels[i]), 0.51 / 65535.0);  // half a code and its rounding
+    ASSERT_NEAR(linear_to_srgb(std::min(static_cast<double>(exr.texels[i]), 1.0)),
+                static_cast<double>(tif.texels[i]), 0.51 / 65535.0);  // half a code and its rounding
 }
 
 TEST(Calibrate, PolarisedPairGivesAlbedoAndSpecular) {
@@ -240,7 +276,10 @@ TEST(Calibrate, PolarisedPairGivesAlbedoAndSpecular) {
   const host::ImageFloat diffuse = test::photograph(scene);
   const auto write = [&](double specular, const std::string& path) {
     std::vector<std::uint16_t> codes;
-    for (const float value : diffuse.texels) codes.push_back(static_cast<std::uint16_t>(std::lround(65535.0 * linear_to_srgb(std::min(1.0, 0.5 * srgb_to_linear(static_cast<double>(value)) + specular)))));
+    for (const float value : diffuse.texels)
+      codes.push_back(static_cast<std::uint16_t>(std::lround(
+          65535.0 *
+          linear_to_srgb(std::min(1.0, 0.5 * srgb_to_linear(static_cast<double>(value)) + specular)))));
     host::write_file(path, host::encode_png16(scene.width, scene.height, codes, true));
   };
   write(0.0, folder / "cross.png");
@@ -248,14 +287,18 @@ TEST(Calibrate, PolarisedPairGivesAlbedoAndSpecular) {
   CalibrationOptions options;
   options.parallel = folder / "parallel.png";
   options.fit = FitKind::Linear;
-  const Calibration done = calibrate(folder / "cross.png", options, {"", "", "", "", "", folder / "specular.exr"}, "test");
+  const Calibration done =
+      calibrate(folder / "cross.png", options, {"", "", "", "", "", folder / "specular.exr"}, "test");
   EXPECT_LT(done.fit.fit.after.mean_de2000, 0.2);  // cyan's red was lost in the file
   const host::ImageFloat specular = host::read_image(folder / "specular.exr");
   double sum = 0.0;
   for (const float value : specular.texels) sum += static_cast<double>(value);
-  EXPECT_NEAR(sum / static_cast<double>(specular.texels.size()), 0.2, 0.002);  // the fit's own scale: within 1 %
+  EXPECT_NEAR(sum / static_cast<double>(specular.texels.size()), 0.2,
+              0.002);  // the fit's own scale: within 1 %
   options.parallel.clear();
-  EXPECT_THROW(calibrate(folder / "cross.png", options, {"", "", "", "", "", folder / "specular.exr"}, "test"), UserError);
+  EXPECT_THROW(
+      calibrate(folder / "cross.png", options, {"", "", "", "", "", folder / "specular.exr"}, "test"),
+      UserError);
 }
 
 TEST(Calibrate, DamagedAndWrongFilesAreErrorsThatNameThemAndLeaveNothing) {
@@ -278,8 +321,11 @@ TEST(Calibrate, DamagedAndWrongFilesAreErrorsThatNameThemAndLeaveNothing) {
     }
     EXPECT_FALSE(fs::exists(folder / "out.png")) << name;
   }
-  EXPECT_THROW(calibrate(folder / "photo.png", {}, {folder / "out.jpg", "", "", "", "", ""}, "test"), UserError);
-  EXPECT_THROW(calibrate(folder / "photo.png", {}, {folder / "no/such/folder/out.png", "", "", "", "", ""}, "test"), UserError);
+  EXPECT_THROW(calibrate(folder / "photo.png", {}, {folder / "out.jpg", "", "", "", "", ""}, "test"),
+               UserError);
+  EXPECT_THROW(
+      calibrate(folder / "photo.png", {}, {folder / "no/such/folder/out.png", "", "", "", "", ""}, "test"),
+      UserError);
 }
 
 TEST(Batch, OneFailureNeverStopsTheRest) {
@@ -308,7 +354,8 @@ TEST(Calibrate, SummaryListsEveryPatchAndEveryFit) {
   test::write_photograph(realistic_scene(), folder / "photo.png");
   const std::string text = summary_text(calibrate(folder / "photo.png", {}, {}, "test"));
   for (const std::string_view name : patch_names()) EXPECT_THAT(text, HasSubstr(std::string(name)));
-  for (const char* part : {"tone-linear", "affine-poly-affine 5", "root-poly 3", "dE2000 mean", "white 0.8"}) EXPECT_THAT(text, HasSubstr(part));
+  for (const char* part : {"tone-linear", "affine-poly-affine 5", "root-poly 3", "dE2000 mean", "white 0.8"})
+    EXPECT_THAT(text, HasSubstr(part));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Geometry, sampling and detection on photographs whose answer is known, and on the public ones when they are there.
+// Geometry, sampling and detection on photographs whose answer is known, and on the public ones when they are
+// there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +50,8 @@ TEST(Homography, GoesThroughItsCornersAndBack) {
 
 TEST(Corners, TextIsReadAndWrongTextRefused) {
   EXPECT_EQ(parse_corners("1,2;3.5,4; 5,6 ;7,8"), (Corners{{{1, 2}, {3.5, 4}, {5, 6}, {7, 8}}}));
-  for (const char* text : {"", "1,2", "1,2;3,4;5,6;7", "1,2;3,4;5,6;7,8;9,10", "a,b;c,d;e,f;g,h", "1,2;3,4;5,6;7,nan", "1,2;3,4;5,6;7,8x"})
+  for (const char* text : {"", "1,2", "1,2;3,4;5,6;7", "1,2;3,4;5,6;7,8;9,10", "a,b;c,d;e,f;g,h",
+                           "1,2;3,4;5,6;7,nan", "1,2;3,4;5,6;7,8x"})
     EXPECT_THROW(parse_corners(text), UserError) << text;
 }
 
@@ -76,12 +78,15 @@ TEST(Sampling, MeansAreThePatchesAndDeviationsTheNoise) {
   const PatchSamples clean = sample_patches(taken(scene), scene.corners);
   for (std::size_t i = 0; i < kPatchCount; ++i)
     for (std::size_t c = 0; c < 3; ++c) {
-      const double expected = std::max(reference().rgb_lin[i][c], 0.0);  // the file cannot hold cyan's negative red
-      EXPECT_NEAR(clean[i].mean[c], expected, 1e-4 * expected + 2e-6) << i;  // half a 16-bit step, decoded: at most 2e-5 of the value
+      const double expected =
+          std::max(reference().rgb_lin[i][c], 0.0);  // the file cannot hold cyan's negative red
+      EXPECT_NEAR(clean[i].mean[c], expected, 1e-4 * expected + 2e-6)
+          << i;  // half a 16-bit step, decoded: at most 2e-5 of the value
     }
   scene.camera.noise = 0.02;
   const PatchSamples noisy = sample_patches(taken(scene), scene.corners);
-  const double expected_sd = 0.02 * (srgb_to_linear(0.51) - srgb_to_linear(0.49)) / 0.02;  // neutral 5 is near code 0.5
+  const double expected_sd =
+      0.02 * (srgb_to_linear(0.51) - srgb_to_linear(0.49)) / 0.02;  // neutral 5 is near code 0.5
   EXPECT_NEAR(noisy[21].deviation[1], expected_sd, 0.25 * expected_sd);
   for (const PatchSample& sample : noisy) EXPECT_GT(sample.pixels, 300);
 }
@@ -104,7 +109,9 @@ TEST(Sampling, ClippedAndUnevenPatchesAreReportedAndLeftOut) {
   scene.camera.code_max = 255;
   scene.camera.balance = {1.3, 1.3, 1.3};  // white leaves the range
   scene.change = [](const Point& chart, const Colour& colour) {
-    const double light = chart.y > 1.5 || chart.x > 0.5 ? 1.0 : chart.x < 0.0 ? 0.5 : 1.0;  // a shadow over half of two patches
+    const double light = chart.y > 1.5 || chart.x > 0.5 ? 1.0
+                         : chart.x < 0.0                ? 0.5
+                                                        : 1.0;  // a shadow over half of two patches
     return Colour{light * colour[0], light * colour[1], light * colour[2]};
   };
   const PatchSamples samples = sample_patches(taken(scene), scene.corners);
@@ -166,7 +173,8 @@ TEST(FindChart, AGridOfOtherColoursIsRefused) {
   test::Scene scene = realistic({{{160, 130}, {480, 130}, {480, 322}, {160, 322}}});
   scene.change = [](const Point& chart, const Colour& colour) {
     if (colour[0] < 0.026 && colour[1] < 0.026 && colour[0] > 0.0) return colour;
-    const unsigned k = static_cast<unsigned>(std::lround(chart.x)) * 7u + static_cast<unsigned>(std::lround(chart.y)) * 13u;
+    const unsigned k =
+        static_cast<unsigned>(std::lround(chart.x)) * 7u + static_cast<unsigned>(std::lround(chart.y)) * 13u;
     return Colour{0.1 + 0.09 * (k * 5u % 9u), 0.1 + 0.09 * (k * 7u % 9u), 0.1 + 0.09 * (k * 11u % 9u)};
   };
   EXPECT_THAT(refusal(taken(scene)), HasSubstr("no complete ColorChecker"));
@@ -174,7 +182,8 @@ TEST(FindChart, AGridOfOtherColoursIsRefused) {
 
 TEST(FindChart, HalfAChartIsRefusedAsCutOff) {
   // Three columns of six outside on the right; two rows of four outside below.
-  for (const Corners& corners : {Corners{{{350, 130}, {850, 130}, {850, 430}, {350, 430}}}, Corners{{{70, 300}, {570, 300}, {570, 600}, {70, 600}}}}) {
+  for (const Corners& corners : {Corners{{{350, 130}, {850, 130}, {850, 430}, {350, 430}}},
+                                 Corners{{{70, 300}, {570, 300}, {570, 600}, {70, 600}}}}) {
     EXPECT_THAT(refusal(taken(realistic(corners))), HasSubstr("cut off"));
   }
 }
@@ -210,7 +219,8 @@ TEST(GivenCorners, AreKeptAndJudged) {
 // The public photographs: corner centres were placed by eye, within 1.5 % of the chart's width.
 TEST(PublicPhotos, CornersOrderAndCentresAreTheAnnotatedOnes) {
   const std::string folder = std::string(ALUMINATE_SHARED_DIR) + "/colorchecker/";
-  if (!std::filesystem::exists(folder + "annotations.json")) GTEST_SKIP() << "no public photographs at " << folder;
+  if (!std::filesystem::exists(folder + "annotations.json"))
+    GTEST_SKIP() << "no public photographs at " << folder;
   const nlohmann::json annotations = nlohmann::json::parse(host::read_text(folder + "annotations.json"));
   int seen = 0;
   for (const auto& entry : annotations["images"]) {
@@ -218,12 +228,14 @@ TEST(PublicPhotos, CornersOrderAndCentresAreTheAnnotatedOnes) {
     const std::string path = folder + file;
     if (!std::filesystem::exists(path) || file.find("labels") != std::string::npos) continue;
     const bool is_mosaic = file.ends_with(".tif");
-    const Photo photo = is_mosaic ? demosaic(mosaic_of_grey(host::read_image(path), "GBRG", path), "mosaic") : photo_of(host::read_image(path), Encoding::Srgb, path);
+    const Photo photo = is_mosaic ? demosaic(mosaic_of_grey(host::read_image(path), "GBRG", path), "mosaic")
+                                  : photo_of(host::read_image(path), Encoding::Srgb, path);
     const FoundChart found = find_chart(photo, reference(), file);
     const auto centres = patch_centres(found.corners);
     for (std::size_t i = 0; i < kPatchCount; ++i) {
       const Point annotated{entry["patch_centres"][i][0], entry["patch_centres"][i][1]};
-      EXPECT_LT(length(centres[i] - annotated), 0.02 * chart_width_px(found.corners)) << file << " patch " << i + 1;
+      EXPECT_LT(length(centres[i] - annotated), 0.02 * chart_width_px(found.corners))
+          << file << " patch " << i + 1;
     }
     ++seen;
   }
@@ -232,13 +244,16 @@ TEST(PublicPhotos, CornersOrderAndCentresAreTheAnnotatedOnes) {
 
 TEST(PublicPhotos, LabelsOfTheMosaicAreMet) {
   const std::string folder = std::string(ALUMINATE_SHARED_DIR) + "/colorchecker/";
-  const std::string labels = folder + "bllanos_d2_colorChecker30cm_550nm_labels.png", mosaic = folder + "bllanos_d2_colorChecker30cm_raw01.tif";
-  if (!std::filesystem::exists(labels) || !std::filesystem::exists(mosaic)) GTEST_SKIP() << "no public photographs at " << folder;
+  const std::string labels = folder + "bllanos_d2_colorChecker30cm_550nm_labels.png",
+                    mosaic = folder + "bllanos_d2_colorChecker30cm_raw01.tif";
+  if (!std::filesystem::exists(labels) || !std::filesystem::exists(mosaic))
+    GTEST_SKIP() << "no public photographs at " << folder;
   const host::Image8 label = host::read_image_rgba8(labels);
   const Photo photo = demosaic(mosaic_of_grey(host::read_image(mosaic), "GBRG", mosaic), "mosaic");
   const auto centres = patch_centres(find_chart(photo, reference(), mosaic).corners);
   for (std::size_t i = 0; i < kPatchCount; ++i) {
-    const std::size_t x = static_cast<std::size_t>(std::lround(centres[i].x)), y = static_cast<std::size_t>(std::lround(centres[i].y));
+    const std::size_t x = static_cast<std::size_t>(std::lround(centres[i].x)),
+                      y = static_cast<std::size_t>(std::lround(centres[i].y));
     EXPECT_EQ(label.texels[4 * (y * static_cast<std::size_t>(label.width) + x)], i + 1);
   }
 }

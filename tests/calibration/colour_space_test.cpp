@@ -13,7 +13,8 @@ namespace {
 TEST(ColourSpace, SrgbTransferIsItsOwnInverseOnEveryCode) {
   for (int code = -65535; code <= 65535; ++code) {
     const double encoded = code / 65535.0;
-    ASSERT_NEAR(linear_to_srgb(srgb_to_linear(encoded)), encoded, 1e-7) << code;  // the standard's two pieces miss each other by 3e-8
+    ASSERT_NEAR(linear_to_srgb(srgb_to_linear(encoded)), encoded, 1e-7)
+        << code;  // the standard's two pieces miss each other by 3e-8
   }
 }
 
@@ -45,32 +46,41 @@ struct DeltaCase {
   double expected;
 };
 
-// Pairs from the supplementary data of the CIEDE2000 implementation notes; printed with four decimals. They visit the hue
-// wrap, neutrals and the rotation term.
+// Pairs from the supplementary data of the CIEDE2000 implementation notes; printed with four decimals. They
+// visit the hue wrap, neutrals and the rotation term.
 TEST(ColourSpace, Ciede2000MatchesThePublishedPairs) {
-  const DeltaCase cases[] = {
-      {{50, 2.6772, -79.7751}, {50, 0, -82.7485}, 2.0425},   {{50, 3.1571, -77.2803}, {50, 0, -82.7485}, 2.8615},
-      {{50, 2.8361, -74.0200}, {50, 0, -82.7485}, 3.4412},   {{50, -1.3802, -84.2814}, {50, 0, -82.7485}, 1.0000},
-      {{50, 0, 0}, {50, -1, 2}, 2.3669},                     {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0009}, 7.1792},
-      {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0011}, 7.2195}, {{50, -0.0010, 2.4900}, {50, 0.0009, -2.4900}, 4.8045},
-      {{50, 2.5, 0}, {50, 0, -2.5}, 4.3065},                 {{50, 2.5, 0}, {73, 25, -18}, 27.1492},
-      {{50, 2.5, 0}, {61, -5, 29}, 22.8977},                 {{50, 2.5, 0}, {56, -27, -3}, 31.9030},
-      {{60.2574, -34.0099, 36.2677}, {60.4626, -34.1751, 39.4387}, 1.2644},
-      {{22.7233, 20.0904, -46.6940}, {23.0331, 14.9730, -42.5619}, 2.0373},
-      {{90.8027, -2.0831, 1.4410}, {91.1528, -1.6435, 0.0447}, 1.4441},
-      {{2.0776, 0.0795, -1.1350}, {0.9033, -0.0636, -0.5514}, 0.9082}};
+  const DeltaCase cases[] = {{{50, 2.6772, -79.7751}, {50, 0, -82.7485}, 2.0425},
+                             {{50, 3.1571, -77.2803}, {50, 0, -82.7485}, 2.8615},
+                             {{50, 2.8361, -74.0200}, {50, 0, -82.7485}, 3.4412},
+                             {{50, -1.3802, -84.2814}, {50, 0, -82.7485}, 1.0000},
+                             {{50, 0, 0}, {50, -1, 2}, 2.3669},
+                             {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0009}, 7.1792},
+                             {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0011}, 7.2195},
+                             {{50, -0.0010, 2.4900}, {50, 0.0009, -2.4900}, 4.8045},
+                             {{50, 2.5, 0}, {50, 0, -2.5}, 4.3065},
+                             {{50, 2.5, 0}, {73, 25, -18}, 27.1492},
+                             {{50, 2.5, 0}, {61, -5, 29}, 22.8977},
+                             {{50, 2.5, 0}, {56, -27, -3}, 31.9030},
+                             {{60.2574, -34.0099, 36.2677}, {60.4626, -34.1751, 39.4387}, 1.2644},
+                             {{22.7233, 20.0904, -46.6940}, {23.0331, 14.9730, -42.5619}, 2.0373},
+                             {{90.8027, -2.0831, 1.4410}, {91.1528, -1.6435, 0.0447}, 1.4441},
+                             {{2.0776, 0.0795, -1.1350}, {0.9033, -0.0636, -0.5514}, 0.9082}};
   for (const DeltaCase& c : cases) {
     EXPECT_NEAR(delta_e_2000(c.a, c.b), c.expected, 5e-5) << c.a[1] << ' ' << c.b[1];
     EXPECT_NEAR(delta_e_2000(c.b, c.a), c.expected, 5e-5) << "swapped";
   }
 }
 
-int srgb8(double linear) { return static_cast<int>(std::lround(255.0 * std::clamp(linear_to_srgb(linear), 0.0, 1.0))); }
+int srgb8(double linear) {
+  return static_cast<int>(std::lround(255.0 * std::clamp(linear_to_srgb(linear), 0.0, 1.0)));
+}
 
 TEST(Chart, SrgbCodesAreThePublishedOnes) {
   const ChartReference& before = chart_reference(ChartEdition::Before2014);
   const ChartReference& after = chart_reference(ChartEdition::After2014);
-  const auto codes = [](const Colour& c) { return std::array<int, 3>{srgb8(c[0]), srgb8(c[1]), srgb8(c[2])}; };
+  const auto codes = [](const Colour& c) {
+    return std::array<int, 3>{srgb8(c[0]), srgb8(c[1]), srgb8(c[2])};
+  };
   EXPECT_EQ(codes(before.rgb_lin[0]), (std::array<int, 3>{115, 81, 67}));
   EXPECT_EQ(codes(before.rgb_lin[1]), (std::array<int, 3>{199, 147, 129}));
   EXPECT_EQ(codes(before.rgb_lin[kWhitePatch]), (std::array<int, 3>{245, 245, 243}));

@@ -1,8 +1,8 @@
 // Fits against independent QR solutions, exact recovery, refusals, and the choice by held-out patches.
 #include "calibration/fit.hpp"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <cmath>
 #include <limits>
@@ -27,7 +27,8 @@ PatchColours affine_in_xyy() {
   const Affine distortion{{{{0.9, 0.05, 0.01, 0.02}, {-0.03, 0.95, 0.02, 0.015}, {0.1, -0.05, 0.8, 0.03}}}};
   PatchColours samples;
   samples.usable.fill(true);
-  for (std::size_t i = 0; i < kPatchCount; ++i) samples.rgb_lin[i] = xyz_to_rgb(xyy_to_xyz(evaluate(distortion, target_xyy()[i])));
+  for (std::size_t i = 0; i < kPatchCount; ++i)
+    samples.rgb_lin[i] = xyz_to_rgb(xyy_to_xyz(evaluate(distortion, target_xyy()[i])));
   return samples;
 }
 
@@ -36,7 +37,8 @@ TEST(Fit, PureAffineDistortionIsRecovered) {
   const Fit fit = fit_transform(FitKind::AffinePolyAffine, 3, samples, reference());
   EXPECT_LE(fit.stage_rms.back(), 1e-12);
   for (std::size_t i = 0; i < kPatchCount; ++i)
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(fit.corrected[i][c], reference().rgb_lin[i][c], 1e-11) << i;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(fit.corrected[i][c], reference().rgb_lin[i][c], 1e-11) << i;
 }
 
 TEST(Fit, PureAffineDistortionOfLinearRgbIsRecovered) {
@@ -47,11 +49,13 @@ TEST(Fit, PureAffineDistortionOfLinearRgbIsRecovered) {
   samples.usable.fill(true);
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     samples.rgb_lin[i] = multiply(camera.cross_talk, reference().rgb_lin[i]);
-    for (std::size_t c = 0; c < 3; ++c) samples.rgb_lin[i][c] = samples.rgb_lin[i][c] * camera.balance[c] + 0.01;
+    for (std::size_t c = 0; c < 3; ++c)
+      samples.rgb_lin[i][c] = samples.rgb_lin[i][c] * camera.balance[c] + 0.01;
   }
   const Fit fit = fit_transform(FitKind::Linear, 1, samples, reference());
   for (std::size_t i = 0; i < kPatchCount; ++i)
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(fit.corrected[i][c], reference().rgb_lin[i][c], 1e-12) << i;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(fit.corrected[i][c], reference().rgb_lin[i][c], 1e-12) << i;
   EXPECT_NEAR(fit.after.max_de2000, 0.0, 1e-9);
 }
 
@@ -61,11 +65,13 @@ TEST(Fit, ResidualNeverRisesFromStageToStage) {
     PatchColours samples = test::photographed_patches(test::realistic_camera(), reference());
     const double spread = trial * 0.005;
     for (Colour& colour : samples.rgb_lin)
-      for (double& value : colour) value = std::max(0.0, value + spread * (static_cast<double>(random()) / 4294967296.0 - 0.5));
+      for (double& value : colour)
+        value = std::max(0.0, value + spread * (static_cast<double>(random()) / 4294967296.0 - 0.5));
     for (int degree = 1; degree <= kMaxDegree; ++degree) {
       const Fit fit = fit_transform(FitKind::AffinePolyAffine, degree, samples, reference());
       ASSERT_EQ(fit.stage_rms.size(), 4u);
-      for (std::size_t i = 1; i < 4; ++i) EXPECT_LE(fit.stage_rms[i], fit.stage_rms[i - 1]) << trial << ' ' << degree;
+      for (std::size_t i = 1; i < 4; ++i)
+        EXPECT_LE(fit.stage_rms[i], fit.stage_rms[i - 1]) << trial << ' ' << degree;
     }
   }
 }
@@ -73,7 +79,8 @@ TEST(Fit, ResidualNeverRisesFromStageToStage) {
 Eigen::MatrixXd eigen_of(const std::array<Colour, kPatchCount>& colours) {
   Eigen::MatrixXd m(kPatchCount, 3);
   for (std::size_t i = 0; i < kPatchCount; ++i)
-    for (std::size_t c = 0; c < 3; ++c) m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = colours[i][c];
+    for (std::size_t c = 0; c < 3; ++c)
+      m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = colours[i][c];
   return m;
 }
 
@@ -123,7 +130,9 @@ TEST(Fit, CoefficientsMatchAnIndependentQrSolution) {
       const std::size_t channel = static_cast<std::size_t>(c);
       const double scale = qr.polynomials[channel].cwiseAbs().maxCoeff();
       for (int j = 0; j <= degree; ++j)
-        EXPECT_NEAR(chain.polynomials[channel].a[static_cast<std::size_t>(j)], qr.polynomials[channel](j), tolerance * scale) << degree << ' ' << c;
+        EXPECT_NEAR(chain.polynomials[channel].a[static_cast<std::size_t>(j)], qr.polynomials[channel](j),
+                    tolerance * scale)
+            << degree << ' ' << c;
       for (int j = 0; j < 4; ++j) {
         EXPECT_NEAR(chain.first.m[channel][static_cast<std::size_t>(j)], qr.first(j, c), 1e-9) << degree;
         EXPECT_NEAR(chain.last.m[channel][static_cast<std::size_t>(j)], qr.last(j, c), tolerance) << degree;
@@ -150,7 +159,8 @@ TEST(GaussJordan, IsAsGoodAsQrWithinTenTimes) {
     const Table ours = least_squares(rows, target, {}, "test");
     const Eigen::VectorXd qr = a.colPivHouseholderQr().solve(b);
     double our_error = 0.0;
-    for (int j = 0; j < n; ++j) our_error = std::max(our_error, std::fabs(ours.at(static_cast<std::size_t>(j), 0) - truth(j)));
+    for (int j = 0; j < n; ++j)
+      our_error = std::max(our_error, std::fabs(ours.at(static_cast<std::size_t>(j), 0) - truth(j)));
     // 1e-15: one rounding of a coefficient, when QR happens to hit the truth.
     EXPECT_LE(our_error, 10.0 * (qr - truth).cwiseAbs().maxCoeff() + 1e-15) << trial;
   }
@@ -180,14 +190,20 @@ TEST(Fit, SingularSystemsAreRefused) {
   PatchColours one_infinite = one_nan;
   one_infinite.rgb_lin[5][1] = std::numeric_limits<double>::infinity();
   const std::vector<std::pair<const char*, PatchColours>> cases{
-      {"one colour", patches_of({{0.3, 0.4, 0.5}})}, {"black", patches_of({{0, 0, 0}})},
+      {"one colour", patches_of({{0.3, 0.4, 0.5}})},
+      {"black", patches_of({{0, 0, 0}})},
       {"two colours", patches_of({{0.3, 0.4, 0.5}, {0.7, 0.2, 0.1}})},
       {"three colours", patches_of({{0.3, 0.4, 0.5}, {0.7, 0.2, 0.1}, {0.1, 0.2, 0.6}})},
-      {"NaN", one_nan}, {"infinity", one_infinite}, {"all clipped", all_clipped}};
+      {"NaN", one_nan},
+      {"infinity", one_infinite},
+      {"all clipped", all_clipped}};
   for (const auto& [name, samples] : cases) {
-    for (const FitKind kind : {FitKind::Auto, FitKind::AffinePolyAffine, FitKind::Linear, FitKind::RootPoly, FitKind::ToneLinear}) {
-      // Three colours do determine a matrix without offset, so a root polynomial of degree 1 is right to accept them.
-      EXPECT_THROW(choose_fit(kind, kind == FitKind::RootPoly ? 2 : 3, samples, reference()), UserError) << name << ' ' << static_cast<int>(kind);
+    for (const FitKind kind : {FitKind::Auto, FitKind::AffinePolyAffine, FitKind::Linear, FitKind::RootPoly,
+                               FitKind::ToneLinear}) {
+      // Three colours do determine a matrix without offset, so a root polynomial of degree 1 is right to
+      // accept them.
+      EXPECT_THROW(choose_fit(kind, kind == FitKind::RootPoly ? 2 : 3, samples, reference()), UserError)
+          << name << ' ' << static_cast<int>(kind);
     }
   }
 }
@@ -218,9 +234,10 @@ TEST(Fit, AutoMeetsTheBarOnTheRealisticPhotograph) {
 TEST(Fit, ToneLinearUndoesAPowerCurveBehindCrossTalk) {
   test::Camera camera = test::realistic_camera();
   camera.code_max = 0;
-  const Fit fit = fit_transform(FitKind::ToneLinear, 1, test::photographed_patches(camera, reference()), reference());
+  const Fit fit =
+      fit_transform(FitKind::ToneLinear, 1, test::photographed_patches(camera, reference()), reference());
   const auto& tone = std::get<ToneLinear>(fit.transform);
-  EXPECT_NEAR(tone.exponent, 1.1, 1e-6);       // the search ends within 1e-7 of the logarithm
+  EXPECT_NEAR(tone.exponent, 1.1, 1e-6);  // the search ends within 1e-7 of the logarithm
   EXPECT_LT(fit.after.max_de2000, 1e-3);
 }
 
@@ -250,7 +267,8 @@ TEST(Transform, RootTermsEqualTheirDefinition) {
   near(11, c[2] * c[0] * c[0]);
   near(12, c[0] * c[1] * c[2]);
   EXPECT_EQ(root_terms(3, {0, 0, 0}), std::vector<double>(13, 0.0));
-  for (double x = 1e-12; x < 1e6; x *= 1.37) EXPECT_NEAR(root_terms(3, {x, x, x})[12] / x, 1.0, 4e-16 * 8) << x;  // three roots multiplied
+  for (double x = 1e-12; x < 1e6; x *= 1.37)
+    EXPECT_NEAR(root_terms(3, {x, x, x})[12] / x, 1.0, 4e-16 * 8) << x;  // three roots multiplied
 }
 
 TEST(Transform, PolynomialContinuesAlongItsTangent) {
@@ -267,18 +285,24 @@ TEST(Transform, PolynomialContinuesAlongItsTangent) {
 
 TEST(Transform, ColumnsGiveWhatSingleColoursGive) {
   const PatchColours samples = test::photographed_patches(test::realistic_camera(), reference());
-  for (const auto& [kind, degree] : {std::pair{FitKind::Linear, 1}, {FitKind::ToneLinear, 1}, {FitKind::RootPoly, 3}, {FitKind::AffinePolyAffine, 5}}) {
+  for (const auto& [kind, degree] : {std::pair{FitKind::Linear, 1},
+                                     {FitKind::ToneLinear, 1},
+                                     {FitKind::RootPoly, 3},
+                                     {FitKind::AffinePolyAffine, 5}}) {
     const Fit fit = fit_transform(kind, degree, samples, reference());
     std::array<double, kPatchCount> r{}, g{}, b{};
-    for (std::size_t i = 0; i < kPatchCount; ++i) r[i] = samples.rgb_lin[i][0], g[i] = samples.rgb_lin[i][1], b[i] = samples.rgb_lin[i][2];
+    for (std::size_t i = 0; i < kPatchCount; ++i)
+      r[i] = samples.rgb_lin[i][0], g[i] = samples.rgb_lin[i][1], b[i] = samples.rgb_lin[i][2];
     correct(fit.transform, r.data(), g.data(), b.data(), kPatchCount);
-    for (std::size_t i = 0; i < kPatchCount; ++i) EXPECT_EQ((Colour{r[i], g[i], b[i]}), fit.corrected[i]) << transform_name(fit.transform);
+    for (std::size_t i = 0; i < kPatchCount; ++i)
+      EXPECT_EQ((Colour{r[i], g[i], b[i]}), fit.corrected[i]) << transform_name(fit.transform);
   }
 }
 
 TEST(Fit, DegreesOutsideOfTheirRangeAreRefused) {
   const PatchColours samples = test::photographed_patches(test::realistic_camera(), reference());
-  for (const int degree : {-1, 0, 6, 100}) EXPECT_THROW(fit_transform(FitKind::AffinePolyAffine, degree, samples, reference()), UserError);
+  for (const int degree : {-1, 0, 6, 100})
+    EXPECT_THROW(fit_transform(FitKind::AffinePolyAffine, degree, samples, reference()), UserError);
   EXPECT_THROW(fit_transform(FitKind::RootPoly, 4, samples, reference()), UserError);
   EXPECT_THROW(parse_fit_kind("lineer"), UserError);
 }

@@ -13,9 +13,9 @@ namespace aluminate::calibration::test {
 struct Camera {
   Colour balance{1.0, 1.0, 1.0};
   Matrix3 cross_talk{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  double gamma = 1.0;    // exponent applied to linear light before sRGB encoding
-  int code_max = 0;      // 255, 65535; 0: no quantisation
-  double noise = 0.0;    // standard deviation, of encoded values
+  double gamma = 1.0;  // exponent applied to linear light before sRGB encoding
+  int code_max = 0;    // 255, 65535; 0: no quantisation
+  double noise = 0.0;  // standard deviation, of encoded values
 };
 
 /// White balance, cross-talk between neighbours, gamma wrong by a tenth, 8 bits.
@@ -29,7 +29,8 @@ inline Camera realistic_camera() {
 }
 
 /// Encoded sRGB value in [0, 1] that the camera stores for a linear colour.
-inline Colour photograph_encoded(const Camera& camera, const Colour& rgb_lin, std::mt19937* random = nullptr) {
+inline Colour photograph_encoded(const Camera& camera, const Colour& rgb_lin,
+                                 std::mt19937* random = nullptr) {
   Colour seen = multiply(camera.cross_talk, rgb_lin);
   for (std::size_t c = 0; c < 3; ++c) {
     double value = seen[c] * camera.balance[c];
@@ -40,7 +41,8 @@ inline Colour photograph_encoded(const Camera& camera, const Colour& rgb_lin, st
       for (int i = 0; i < 12; ++i) sum += static_cast<double>((*random)()) / 4294967296.0;
       value += camera.noise * (sum - 6.0);
     }
-    if (camera.code_max > 0) value = std::round(std::min(std::max(value, 0.0), 1.0) * camera.code_max) / camera.code_max;
+    if (camera.code_max > 0)
+      value = std::round(std::min(std::max(value, 0.0), 1.0) * camera.code_max) / camera.code_max;
     seen[c] = value;
   }
   return seen;

@@ -18,7 +18,8 @@ namespace {
 // A minimal DNG: one uncompressed 16-bit strip, little-endian.
 class DngWriter {
  public:
-  DngWriter(int width, int height, std::string pattern, std::vector<std::uint16_t> samples, int black, int white, std::array<double, 3> neutral)
+  DngWriter(int width, int height, std::string pattern, std::vector<std::uint16_t> samples, int black,
+            int white, std::array<double, 3> neutral)
       : samples_(std::move(samples)) {
     static constexpr std::string_view kNames = "RGB";
     std::vector<std::uint8_t> cfa;
@@ -42,7 +43,9 @@ class DngWriter {
     text(50708, "Test Mosaic");
     longs(50714, {static_cast<std::uint32_t>(black)});
     longs(50717, {static_cast<std::uint32_t>(white)});
-    rationals(50721, 10, {3.2404542, -1.5371385, -0.4985314, -0.9692660, 1.8760108, 0.0415560, 0.0556434, -0.2040259, 1.0572252});
+    rationals(50721, 10,
+              {3.2404542, -1.5371385, -0.4985314, -0.9692660, 1.8760108, 0.0415560, 0.0556434, -0.2040259,
+               1.0572252});
     rationals(50728, 5, {neutral[0], neutral[1], neutral[2]});
     shorts(50778, {21});
   }
@@ -50,7 +53,8 @@ class DngWriter {
   std::vector<std::uint8_t> file() {
     const std::size_t directory = 8, end_of_directory = directory + 2 + 12 * entries_.size() + 4;
     std::size_t data_at = end_of_directory;
-    for (const Entry& entry : entries_) data_at += entry.data.size() > 4 ? entry.data.size() + (entry.data.size() & 1) : 0;
+    for (const Entry& entry : entries_)
+      data_at += entry.data.size() > 4 ? entry.data.size() + (entry.data.size() & 1) : 0;
     const std::size_t strip_at = data_at;
     std::vector<std::uint8_t> out{'I', 'I', 42, 0, 8, 0, 0, 0};
     put(out, entries_.size(), 2);
@@ -89,7 +93,9 @@ class DngWriter {
     put(out, value, size);
     return out;
   }
-  void bytes(std::size_t tag, const std::vector<std::uint8_t>& values) { entries_.push_back({tag, 1, values.size(), values}); }
+  void bytes(std::size_t tag, const std::vector<std::uint8_t>& values) {
+    entries_.push_back({tag, 1, values.size(), values});
+  }
   void text(std::size_t tag, const std::string& value) {
     std::vector<std::uint8_t> data(value.begin(), value.end());
     data.push_back(0);
@@ -120,14 +126,17 @@ class DngWriter {
 std::vector<std::uint16_t> random_samples(int count, int low, int high) {
   std::mt19937 random(11);
   std::vector<std::uint16_t> samples;
-  for (int i = 0; i < count; ++i) samples.push_back(static_cast<std::uint16_t>(low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1))));
+  for (int i = 0; i < count; ++i)
+    samples.push_back(
+        static_cast<std::uint16_t>(low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1))));
   return samples;
 }
 
 TEST(Raw, DngDecodesToItsExactSamplesAndLevels) {
   const std::vector<std::uint16_t> samples = random_samples(96 * 64, 256, 60000);
   for (const char* pattern : {"RGGB", "BGGR", "GRBG", "GBRG"}) {
-    const std::vector<std::uint8_t> file = DngWriter(96, 64, pattern, samples, 256, 60000, {0.5, 1.0, 0.8}).file();
+    const std::vector<std::uint8_t> file =
+        DngWriter(96, 64, pattern, samples, 256, 60000, {0.5, 1.0, 0.8}).file();
     const Mosaic mosaic = decode_raw(file, "test.dng");
     ASSERT_EQ(mosaic.width, 96);
     ASSERT_EQ(mosaic.height, 64);
@@ -151,7 +160,8 @@ TEST(Raw, BlackAndWhiteBecomeZeroAndOneTimesTheMultiplier) {
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x) {
         const std::size_t c = y % 2 == 0 ? (x % 2 == 0 ? 0 : 1) : (x % 2 == 0 ? 1 : 2);
-        mosaic.samples.push_back(static_cast<std::uint16_t>(std::lround(mosaic.black[c] + level * (1000 - mosaic.black[c]))));
+        mosaic.samples.push_back(
+            static_cast<std::uint16_t>(std::lround(mosaic.black[c] + level * (1000 - mosaic.black[c]))));
       }
     const Photo photo = demosaic(mosaic, "test");
     const double step = 1.0 / 880.0;  // rounding of a sample
@@ -170,14 +180,21 @@ TEST(Raw, DemosaicKeepsEverySampleAndIsExactOnRamps) {
     mosaic.width = 24;
     mosaic.height = 20;
     std::copy_n(pattern, 4, mosaic.pattern.begin());
-    const auto ramp = [](std::size_t c, int x, int y) { return 1000.0 * (static_cast<double>(c) + 1.0) + 40.0 * x + 30.0 * y; };
-    const auto colour = [&](int x, int y) { return std::string_view("RGB").find(pattern[(y & 1) * 2 + (x & 1)]); };
+    const auto ramp = [](std::size_t c, int x, int y) {
+      return 1000.0 * (static_cast<double>(c) + 1.0) + 40.0 * x + 30.0 * y;
+    };
+    const auto colour = [&](int x, int y) {
+      return std::string_view("RGB").find(pattern[(y & 1) * 2 + (x & 1)]);
+    };
     for (int y = 0; y < 20; ++y)
-      for (int x = 0; x < 24; ++x) mosaic.samples.push_back(static_cast<std::uint16_t>(ramp(colour(x, y), x, y)));
+      for (int x = 0; x < 24; ++x)
+        mosaic.samples.push_back(static_cast<std::uint16_t>(ramp(colour(x, y), x, y)));
     const Photo photo = demosaic(mosaic, "test");
     for (int y = 2; y < 18; ++y)
       for (int x = 2; x < 22; ++x)
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(photo.pixel(x, y)[c] * 65535.0, ramp(c, x, y), 0.01) << pattern << ' ' << x << ',' << y;  // float: 6e-8 * 4000
+        for (std::size_t c = 0; c < 3; ++c)
+          EXPECT_NEAR(photo.pixel(x, y)[c] * 65535.0, ramp(c, x, y), 0.01)
+              << pattern << ' ' << x << ',' << y;  // float: 6e-8 * 4000
   }
 }
 
@@ -196,8 +213,10 @@ TEST(Raw, GreyPictureBecomesItsCodes) {
 }
 
 TEST(Raw, DamagedFilesAreErrorsThatNameTheFile) {
-  const std::vector<std::uint8_t> good = DngWriter(96, 64, "RGGB", random_samples(96 * 64, 0, 65535), 0, 65535, {1, 1, 1}).file();
-  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, std::size_t{100}, good.size() / 2, good.size() - 5000}) {
+  const std::vector<std::uint8_t> good =
+      DngWriter(96, 64, "RGGB", random_samples(96 * 64, 0, 65535), 0, 65535, {1, 1, 1}).file();
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{4}, std::size_t{100}, good.size() / 2, good.size() - 5000}) {
     try {
       decode_raw(std::span(good).first(size), "broken.dng");
       ADD_FAILURE() << size << " bytes of " << good.size() << " were accepted";
@@ -206,7 +225,8 @@ TEST(Raw, DamagedFilesAreErrorsThatNameTheFile) {
     }
   }
   std::mt19937 random(5);
-  for (int trial = 0; trial < 200; ++trial) {  // must not crash; may be read when the damage is in the samples
+  for (int trial = 0; trial < 200;
+       ++trial) {  // must not crash; may be read when the damage is in the samples
     std::vector<std::uint8_t> bad = good;
     for (int i = 0; i < 4; ++i) bad[random() % 400] = static_cast<std::uint8_t>(random());
     try {
@@ -218,9 +238,12 @@ TEST(Raw, DamagedFilesAreErrorsThatNameTheFile) {
 
 TEST(Raw, PublicDngHoldsThePublicMosaic) {
   const std::string folder = std::string(ALUMINATE_SHARED_DIR) + "/colorchecker/";
-  const std::string dng = folder + "mosaic_gbrg_black0.dng", tif = folder + "bllanos_d2_colorChecker30cm_raw01.tif";
-  if (!std::filesystem::exists(dng) || !std::filesystem::exists(tif)) GTEST_SKIP() << "no public photographs at " << folder;
-  const Mosaic raw = decode_raw(host::read_bytes(dng), dng), grey = mosaic_of_grey(host::read_image(tif), "GBRG", tif);
+  const std::string dng = folder + "mosaic_gbrg_black0.dng",
+                    tif = folder + "bllanos_d2_colorChecker30cm_raw01.tif";
+  if (!std::filesystem::exists(dng) || !std::filesystem::exists(tif))
+    GTEST_SKIP() << "no public photographs at " << folder;
+  const Mosaic raw = decode_raw(host::read_bytes(dng), dng),
+               grey = mosaic_of_grey(host::read_image(tif), "GBRG", tif);
   ASSERT_EQ(raw.samples.size(), grey.samples.size());
   EXPECT_EQ(raw.pattern, grey.pattern);
   for (std::size_t i = 0; i < raw.samples.size(); ++i) ASSERT_EQ(raw.samples[i], grey.samples[i] * 257u) << i;

@@ -25,10 +25,16 @@ void blur(std::vector<double>& rgb, int width, int height, double sigma) {
         for (int c = 0; c < 3; ++c) {
           double sum = 0.0;
           for (int i = -reach; i <= reach; ++i) {
-            const int xx = vertical ? x : std::clamp(x + i, 0, width - 1), yy = vertical ? std::clamp(y + i, 0, height - 1) : y;
-            sum += weights[static_cast<std::size_t>(i + reach)] * from[3 * (static_cast<std::size_t>(yy) * static_cast<std::size_t>(width) + static_cast<std::size_t>(xx)) + static_cast<std::size_t>(c)];
+            const int xx = vertical ? x : std::clamp(x + i, 0, width - 1),
+                      yy = vertical ? std::clamp(y + i, 0, height - 1) : y;
+            sum += weights[static_cast<std::size_t>(i + reach)] *
+                   from[3 * (static_cast<std::size_t>(yy) * static_cast<std::size_t>(width) +
+                             static_cast<std::size_t>(xx)) +
+                        static_cast<std::size_t>(c)];
           }
-          rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) + static_cast<std::size_t>(c)] = sum / total;
+          rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                   static_cast<std::size_t>(x)) +
+              static_cast<std::size_t>(c)] = sum / total;
         }
   }
 }
@@ -42,7 +48,8 @@ std::vector<double> ideal_values(const Scene& scene) {
       Colour sum{};
       for (int j = 0; j < kSub; ++j)
         for (int i = 0; i < kSub; ++i) {
-          const Colour colour = scene_colour(scene, to_chart, {x + (i + 0.5) / kSub - 0.5, y + (j + 0.5) / kSub - 0.5});
+          const Colour colour =
+              scene_colour(scene, to_chart, {x + (i + 0.5) / kSub - 0.5, y + (j + 0.5) / kSub - 0.5});
           for (std::size_t c = 0; c < 3; ++c) sum[c] += colour[c] / (kSub * kSub);
         }
       rgb.insert(rgb.end(), sum.begin(), sum.end());
@@ -54,12 +61,16 @@ std::vector<double> ideal_values(const Scene& scene) {
 }  // namespace
 
 Colour scene_colour(const Scene& scene, const Homography& to_chart, const Point& p) {
-  const double wave = 0.5 + 0.25 * std::sin(0.037 * p.x + 0.011 * p.y) + 0.2 * std::sin(0.023 * p.y - 0.017 * p.x);
+  const double wave =
+      0.5 + 0.25 * std::sin(0.037 * p.x + 0.011 * p.y) + 0.2 * std::sin(0.023 * p.y - 0.017 * p.x);
   const Colour background{0.25 * wave + 0.05, 0.22 * wave + 0.06, 0.12 + 0.1 * wave};
   if (!scene.has_chart) return background;
   const Point chart = to_chart(p);
-  if (chart.x < -kCardMargin || chart.y < -kCardMargin || chart.x > 5.0 + kCardMargin || chart.y > 3.0 + kCardMargin) return background;
-  const int column = std::clamp(static_cast<int>(std::lround(chart.x)), 0, 5), row = std::clamp(static_cast<int>(std::lround(chart.y)), 0, 3);
+  if (chart.x < -kCardMargin || chart.y < -kCardMargin || chart.x > 5.0 + kCardMargin ||
+      chart.y > 3.0 + kCardMargin)
+    return background;
+  const int column = std::clamp(static_cast<int>(std::lround(chart.x)), 0, 5),
+            row = std::clamp(static_cast<int>(std::lround(chart.y)), 0, 3);
   Colour colour{0.025, 0.025, 0.027};
   if (std::fabs(chart.x - column) <= kPatchHalf && std::fabs(chart.y - row) <= kPatchHalf) {
     colour = chart_reference(scene.edition).rgb_lin[static_cast<std::size_t>(row * kChartColumns + column)];
@@ -85,7 +96,9 @@ host::ImageFloat photograph(const Scene& scene) {
   std::mt19937 random(scene.seed);
   const std::vector<double> ideal = ideal_values(scene);
   for (std::size_t i = 0; i < ideal.size(); i += 3)
-    for (const double value : photograph_encoded(scene.camera, {ideal[i], ideal[i + 1], ideal[i + 2]}, &random)) image.texels.push_back(static_cast<float>(value));
+    for (const double value :
+         photograph_encoded(scene.camera, {ideal[i], ideal[i + 1], ideal[i + 2]}, &random))
+      image.texels.push_back(static_cast<float>(value));
   return image;
 }
 
@@ -93,11 +106,13 @@ void write_photograph(const Scene& scene, const std::string& path) {
   const host::ImageFloat image = photograph(scene);
   if (scene.camera.code_max == 255) {
     host::Image8 codes{image.width, image.height, 3, {}};
-    for (const float value : image.texels) codes.texels.push_back(static_cast<std::uint8_t>(std::lround(255.0f * value)));
+    for (const float value : image.texels)
+      codes.texels.push_back(static_cast<std::uint8_t>(std::lround(255.0f * value)));
     host::write_png(path, codes);
   } else {
     std::vector<std::uint16_t> codes;
-    for (const float value : image.texels) codes.push_back(static_cast<std::uint16_t>(std::lround(65535.0f * std::clamp(value, 0.0f, 1.0f))));
+    for (const float value : image.texels)
+      codes.push_back(static_cast<std::uint16_t>(std::lround(65535.0f * std::clamp(value, 0.0f, 1.0f))));
     host::write_file(path, host::encode_png16(image.width, image.height, codes, true));
   }
 }

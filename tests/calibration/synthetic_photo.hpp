@@ -16,9 +16,10 @@ struct Scene {
   ChartEdition edition = ChartEdition::After2014;
   Camera camera;
   bool has_chart = true;
-  double blur_px = 0.0;               // sigma of a Gaussian over linear light
+  double blur_px = 0.0;  // sigma of a Gaussian over linear light
   unsigned seed = 1;
-  std::function<Colour(const Point& chart, const Colour& colour)> change;  // applied to chart colours, in chart coordinates
+  std::function<Colour(const Point& chart, const Colour& colour)>
+      change;  // applied to chart colours, in chart coordinates
 };
 
 /// Chart colours, or the background, at a point: black card around the patches, a soft pattern behind it.

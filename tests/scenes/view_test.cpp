@@ -154,7 +154,8 @@ TEST(View, PerspectiveMatrixMapsTheFrustumToD3DClip) {
   EXPECT_EQ(view.right, glm::dvec3(1, 0, 0));
   EXPECT_EQ(view.up, glm::dvec3(0, 1, 0));
   const auto near_corner = project(m, eye + glm::dvec3(2 * n, n, -n));
-  constexpr double kNearTight = 1e-12;  // the eye's coordinates are 1000 n: their rounding is 1000 times larger here
+  constexpr double kNearTight =
+      1e-12;  // the eye's coordinates are 1000 n: their rounding is 1000 times larger here
   EXPECT_NEAR(near_corner.x, 1, kNearTight);
   EXPECT_NEAR(near_corner.y, 1, kNearTight);
   EXPECT_NEAR(near_corner.z, 0, kNearTight);
