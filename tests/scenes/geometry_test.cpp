@@ -322,6 +322,28 @@ TEST(Geometry, SingularMatrixIsDrawnFlatWithAWarning) {
   EXPECT_EQ(scene.meshes.at(0).normals[0], glm::vec3(0, 0, 1));  // flattened onto its own plane
 }
 
+TEST(Geometry, MatrixThatOverflowsIsMentionedAndLeavesNoBounds) {
+  GltfFile file = GltfFile::triangle();
+  file.add_node({{"children", {0}}, {"scale", {1e300, 1, 1}}});
+  file.root["nodes"][0]["scale"] = {1e300, 1, 1};
+  const Scene scene = load(file);
+  EXPECT_THAT(scene.warnings,
+              ElementsAre(HasSubstr("world matrix is not finite"), HasSubstr("positions are not finite")));
+  EXPECT_EQ(scene.bounds_max, glm::dvec3(0));
+}
+
+TEST(Geometry, QuaternionsOfAnyLengthTurnWithoutScaling) {
+  GltfFile file = GltfFile::triangle();
+  file.root["nodes"][0]["rotation"] = {0, 0, 3, 3};  // a quarter turn about z, not of unit length
+  Scene scene = load(file);
+  EXPECT_NEAR(scene.meshes.at(0).positions[1].y, 1, 1e-15);
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("not of unit length")));
+  file.root["nodes"][0]["rotation"] = {0, 0, 0, 0};
+  scene = load(file);
+  EXPECT_EQ(scene.meshes.at(0).positions[1], glm::dvec3(1, 0, 0));
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("has no direction")));
+}
+
 TEST(Geometry, NonFinitePositionsAreKeptButDoNotCountForTheBounds) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
                   kInf = std::numeric_limits<float>::infinity();
