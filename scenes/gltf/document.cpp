@@ -2,6 +2,7 @@
 
 #include "platform/host/error.hpp"
 #include "platform/host/hash.hpp"
+#include "scenes/gltf/container.hpp"
 #include "scenes/gltf/layout.hpp"
 #include "scenes/gltf/resources.hpp"
 #include "scenes/gltf/schema.hpp"
@@ -28,97 +29,6 @@ constexpr std::string_view kSupportedExtensions[] = {
 
 /// Extensions that change nothing when they are ignored, so that a warning would only be noise.
 constexpr std::string_view kHarmlessExtensions[] = {"KHR_xmp", "KHR_xmp_json_ld"};
-
-std::uint32_t little_endian_u32(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
-         static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
-}
-
-struct Container {
-  bool binary = false;
-  std::span<const std::uint8_t> json_text;
-  std::uint64_t bin_bytes = 0;  // of the BIN chunk, 0 = none
-};
-
-/// GLB header and first two chunks [glTF2 4.4]; any other file is taken as JSON text.
-Container open_container(std::span<const std::uint8_t> bytes, const std::string& file) {
-  constexpr std::uint64_t kHeader = 12, kChunkHeader = 8;
-  constexpr std::uint32_t kJson = 0x4E4F534A, kBin = 0x004E4942;
-  const SourcePlace place{file};
-  Container container;
-  if (bytes.size() < 4 || std::memcmp(bytes.data(), "glTF", 4) != 0) {
-    container.json_text = bytes;
-    constexpr std::array<std::uint8_t, 3> kByteOrderMark{0xEF, 0xBB, 0xBF};
-    if (bytes.size() >= 3 && std::equal(kByteOrderMark.begin(), kByteOrderMark.end(), bytes.begin()))
-      container.json_text = bytes.subspan(3);
-    return container;
-  }
-  container.binary = true;
-  if (bytes.size() < kHeader + kChunkHeader) throw UserError(place, "the file ends within its glb header");
-  const std::uint32_t version = little_endian_u32(bytes, 4);
-  if (version != 2)
-    throw UserError(place, fmt::format("expected glb version 2, found {}", version),
-                    "export the scene as glTF 2.0");
-  const std::uint64_t length = little_endian_u32(bytes, 8);
-  if (length > bytes.size())
-    throw UserError(place, fmt::format("the file is cut off: its header promises {} bytes, it has {}", length,
-                                       bytes.size()));
-  const std::uint64_t json_bytes = little_endian_u32(bytes, 12);
-  if (little_endian_u32(bytes, 16) != kJson) throw UserError(place, "the first chunk of the glb is not JSON");
-  const std::uint64_t json_end = kHeader + kChunkHeader + json_bytes;
-  if (json_end > length)
-    throw UserError(place,
-                    fmt::format("the JSON chunk ends at byte {}, beyond the file's {}", json_end, length));
-  container.json_text = bytes.subspan(kHeader + kChunkHeader, json_bytes);
-  if (json_end + kChunkHeader > length) return container;
-  const std::uint64_t bin_bytes = little_endian_u32(bytes, json_end);
-  if (little_endian_u32(bytes, json_end + 4) != kBin) return container;  // unknown chunks are to be ignored
-  if (json_end + kChunkHeader + bin_bytes > length)
-    throw UserError(place, fmt::format("the BIN chunk ends at byte {}, beyond the file's {}",
-                                       json_end + kChunkHeader + bin_bytes, length));
-  container.bin_bytes = bin_bytes;
-  return container;
-}
-
-SourcePlace place_of_byte(std::span<const std::uint8_t> text, std::size_t byte, const std::string& file) {
-  SourcePlace place{file, 1, 1};
-  for (std::size_t i = 0; i + 1 < byte && i < text.size(); ++i) {
-    if (text[i] == '\n') {
-      ++place.line;
-      place.column = 1;
-    } else {
-      ++place.column;
-    }
-  }
-  return place;
-}
-
-/// JSON text to a tree, with ceilings on depth and on the number of values: a small text can ask for a great
-/// deal of both.
-json parse_json(const Container& container, const std::string& file, const LoadLimits& limits) {
-  std::uint64_t values = 0;
-  const auto count = [&](int depth, json::parse_event_t, const json&) {
-    if (depth > limits.json_depth)
-      throw UserError(SourcePlace{file},
-                      fmt::format("its JSON is nested more than {} levels deep", limits.json_depth));
-    if (++values > limits.json_values)
-      throw UserError(SourcePlace{file},
-                      fmt::format("its JSON holds more than {} values", limits.json_values));
-    return true;
-  };
-  try {
-    return json::parse(container.json_text.begin(), container.json_text.end(), count);
-  } catch (const json::parse_error& error) {
-    const SourcePlace place =
-        container.binary ? SourcePlace{file} : place_of_byte(container.json_text, error.byte, file);
-    throw UserError(place,
-                    fmt::format("the {} is not valid JSON at byte {}",
-                                container.binary ? "glb's JSON chunk" : "file", error.byte),
-                    "a scene is a .gltf (JSON) or .glb file");
-  } catch (const json::exception&) {
-    throw UserError(SourcePlace{file}, "its JSON holds a number outside the range of a double");
-  }
-}
 
 void check_version(const json& root, const std::string& file) {
   const auto version = root.at("asset").at("version").get<std::string>();
@@ -243,9 +153,9 @@ void check_buffers(const json& root, const Container& container, const Document&
     }
     if (!container.binary) document.fail(place, "has no uri, and only a .glb carries its own bytes");
     if (i != 0) document.fail(place, "has no uri; only the first buffer of a glb may be its BIN chunk");
-    if (wanted > container.bin_bytes)
+    if (wanted > container.bin.size())
       document.fail(place,
-                    fmt::format("expected {} bytes, the BIN chunk has {}", wanted, container.bin_bytes));
+                    fmt::format("expected {} bytes, the BIN chunk has {}", wanted, container.bin.size()));
   }
 }
 
