@@ -144,7 +144,7 @@ std::vector<std::uint8_t> encode_corrected(const Photo& photo, const std::string
               : codes_of<std::uint16_t>(photo, [](float v) {
                   return static_cast<std::uint16_t>(std::min(v, 1.0f) * 65535.0f + 0.5f);
                 });
-  return container == Container::Png ? host::encode_png16(photo.width, photo.height, codes, is_srgb, metadata)
+  return container == Container::Png ? host::encode_png16(photo.width, photo.height, codes, is_srgb)
                                      : host::encode_tiff16(photo.width, photo.height, codes);
 }
 

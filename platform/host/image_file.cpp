@@ -218,18 +218,6 @@ std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& m
   return bytes;
 }
 
-std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes, bool is_srgb,
-                                       const ImageMetadata& metadata) {
-  ALU_CHECK(width > 0 && height > 0 && codes.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-            "{} x {}, {} codes", width, height, codes.size());
-  const std::vector<image_module::Pair> pairs = pairs_of(metadata);
-  std::vector<std::uint8_t> bytes;
-  Failure failure{};
-  const bool good = module().encode_png16(width, height, codes.data(), is_srgb, pairs.data(), pairs.size(), append_bytes, &bytes, &failure);
-  ALU_CHECK(good, "PNG encoder: {}", failure.text);
-  return bytes;
-}
-
 std::vector<std::uint8_t> encode_exr(int width, int height, std::span<const ExrLayer> layers,
                                      const ImageMetadata& metadata) {
   ALU_CHECK(width > 0 && height > 0 && !layers.empty(), "{} x {}, {} layers", width, height, layers.size());

@@ -56,9 +56,9 @@ using ImageMetadata = std::vector<std::pair<std::string, std::string>>;
 /// PNG, 3 or 4 channels of 8 bits, marked sRGB.
 std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata = {});
 
-/// width*height*3 codes of 16 bits, interleaved.
-std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes, bool is_srgb,
-                                       const ImageMetadata& metadata = {});
+/// width*height*3 codes of 16 bits, interleaved. Compressed on all threads; the bytes do not depend on their number.
+/// is_srgb: what the codes mean, stored in the file; otherwise they are linear.
+std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes, bool is_srgb);
 /// Uncompressed baseline TIFF [TIFF6], one strip. At most 4 GiB.
 std::vector<std::uint8_t> encode_tiff16(int width, int height, std::span<const std::uint16_t> codes);
 

@@ -206,17 +206,6 @@ bool encode_png(int width, int height, int channels, const std::uint8_t* texels,
   });
 }
 
-bool encode_png16(int width, int height, const std::uint16_t* codes, bool is_srgb, const Pair* metadata,
-                  std::size_t metadata_count, Sink sink, void* context, Failure* failure) {
-  OIIO::ImageSpec spec(width, height, 3, OIIO::TypeUInt16);
-  spec.attribute("oiio:ColorSpace", is_srgb ? "sRGB" : "Linear");
-  spec.attribute("png:compressionLevel", 1);  // 16-bit photographs hardly shrink further, and large ones take seconds
-  add_metadata(spec, metadata, metadata_count);
-  return encode("png", spec, sink, context, failure, [&](OIIO::ImageOutput& output) {
-    return output.write_image(OIIO::TypeUInt16, codes);
-  });
-}
-
 void store_sample(std::uint8_t* to, const Layer& layer, std::size_t texel) {
   if (layer.uints != nullptr) {
     std::memcpy(to, layer.uints + texel, sizeof *layer.uints);
@@ -290,7 +279,7 @@ aluminate_image_module() {
   OIIO::attribute("exr_threads", 1);
   static const module::Interface interface {
     module::kInterfaceVersion, module::open, module::channel_name, module::read_rgba8, module::read_float,
-        module::close, module::encode_png, module::encode_exr, module::encode_png16, module::text_box, module::draw_text
+        module::close, module::encode_png, module::encode_exr, module::text_box, module::draw_text
   };
   return &interface;
 }

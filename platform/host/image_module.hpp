@@ -8,7 +8,7 @@
 
 namespace aluminate::host::image_module {
 
-inline constexpr int kInterfaceVersion = 3;  // both sides are built together; a stale module must not be used
+inline constexpr int kInterfaceVersion = 4;  // both sides are built together; a stale module must not be used
 
 struct Failure {
   char text[400];
@@ -59,10 +59,6 @@ struct Interface {
                      std::size_t metadata_count, Sink sink, void* context, Failure* failure);
   bool (*encode_exr)(int width, int height, const Layer* layers, std::size_t layer_count, const Pair* metadata,
                      std::size_t metadata_count, Sink sink, void* context, Failure* failure);
-
-  /// PNG of 3 channels of 16-bit codes; is_srgb: what the codes mean, stored in the file.
-  bool (*encode_png16)(int width, int height, const std::uint16_t* codes, bool is_srgb, const Pair* metadata,
-                       std::size_t metadata_count, Sink sink, void* context, Failure* failure);
 
   /// Where the ink of one line of text lies, relative to the left end of its baseline (y down).
   bool (*text_box)(const char* text, int size, const char* font_file, Box* box, Failure* failure);
