@@ -9,6 +9,7 @@
 #include "calibration/calibrate.hpp"
 #include "calibration/calibration_files.hpp"
 #include "platform/host/error.hpp"
+#include "platform/host/log.hpp"
 #include "platform/host/parallel.hpp"
 
 namespace aluminate::apps {
@@ -54,6 +55,7 @@ void run(Arguments& a, Session& session) {
   if (json_to_stdout) a.outputs.json.clear();
   const Calibration done = calibrate(a.photo, a.options, a.outputs, session.command);
   fmt::print("{}", json_to_stdout ? calibration_json(done, session.command) : summary_text(done));
+  for (const std::string& warning : done.warnings) host::warning(warning);
 }
 
 }  // namespace

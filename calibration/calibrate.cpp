@@ -1,9 +1,7 @@
 #include "calibration/calibrate.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
-#include <new>
 
 #include "calibration/calibration_files.hpp"
 #include "calibration/polarised.hpp"
@@ -12,10 +10,7 @@
 #include "platform/host/error.hpp"
 #include "platform/host/hash.hpp"
 #include "platform/host/input_file.hpp"
-#include "platform/host/interrupt.hpp"
 #include "platform/host/output_file.hpp"
-#include "platform/host/progress.hpp"
-#include "platform/host/text_table.hpp"
 
 namespace aluminate::calibration {
 namespace {
@@ -148,6 +143,7 @@ Calibration calibrate(const std::string& photo_path, const CalibrationOptions& o
     specular_file->write(encode_corrected(calibrated_specular(photo, std::move(*specular), transform),
                                           outputs.specular, options.format));
   result.counts = correct_photo(photo, transform);
+  result.warnings = warnings_of(result);
   if (report != nullptr) {
     pictures.after = thumbnail(photo);
     pictures.range = range_picture(photo);
@@ -167,120 +163,6 @@ Calibration calibrate(const std::string& photo_path, const CalibrationOptions& o
   }
   files.commit();
   return result;
-}
-
-std::string verdict_line(const Calibration& calibration) {
-  const Fit& fit = calibration.fit.fit;
-  return fmt::format("{}: dE2000 mean {:.2f} -> {:.2f}, max {:.2f}, held out {:.2f}",
-                     transform_name(fit.transform), fit.before.mean_de2000, fit.after.mean_de2000,
-                     fit.after.max_de2000, fit.held_out_de2000);
-}
-
-std::string summary_text(const Calibration& calibration) {
-  const Fit& fit = calibration.fit.fit;
-  const ChartReference& reference = chart_reference(calibration.options.edition);
-  host::TextTable table({{"#", host::Align::Right},
-                         {"patch"},
-                         {"dE2000 before", host::Align::Right},
-                         {"after", host::Align::Right},
-                         {"luminance", host::Align::Right},
-                         {"note"}});
-  for (std::size_t i = 0; i < kPatchCount; ++i) {
-    const PatchSample& sample = calibration.patches[i];
-    std::string note;
-    const auto add = [&](const std::string& text) { note += (note.empty() ? "" : ", ") + text; };
-    if (sample.is_clipped())
-      add(fmt::format("clipped ({:.0f} %), not used",
-                      100.0 * std::max(sample.clipped_high, sample.clipped_low)));
-    if (sample.is_uneven())
-      add(fmt::format("uneven ({:.0f} %){}", 100.0 * sample.unevenness,
-                      sample.unevenness > kUnevenRefused ? ", not used" : ""));
-    if (outside_gamut(reference.rgb_lin[i])) add("reference outside of sRGB");
-    table.add_row({fmt::format("{}", i + 1), std::string(patch_names()[i]),
-                   fmt::format("{:.2f}", fit.before.de2000[i]), fmt::format("{:.2f}", fit.after.de2000[i]),
-                   fmt::format("{:.3f}", rgb_to_xyz(fit.corrected[i])[1]), note});
-  }
-  std::string text = fmt::format(
-      "{}: {} x {}, {}; chart {} (agreement {:.2f})\n", calibration.photo, calibration.width,
-      calibration.height, calibration.photo_kind,
-      calibration.chart.finder == "corners" ? "at the given corners" : "found by " + calibration.chart.finder,
-      calibration.chart.agreement);
-  text += table.text();
-  if (calibration.fit.candidates.size() > 1) {
-    text += "fits, by dE2000 of patches they were not fitted to:";
-    for (const Candidate& candidate : calibration.fit.candidates)
-      text += fmt::format(" {} {}{}", candidate.name,
-                          candidate.held_out_de2000 ? fmt::format("{:.2f}", *candidate.held_out_de2000) : "-",
-                          &candidate == &calibration.fit.candidates.back() ? "\n" : ";");
-  }
-  if (!fit.stage_rms.empty())
-    text += fmt::format("xyY rms: photo {:.5f}, affine {:.5f}, polynomial {:.5f}, affine {:.5f}\n",
-                        fit.stage_rms[0], fit.stage_rms[1], fit.stage_rms[2], fit.stage_rms[3]);
-  text += fmt::format("{}; dE76 mean {:.2f} -> {:.2f}\n", verdict_line(calibration), fit.before.mean_de76,
-                      fit.after.mean_de76);
-  const CorrectionCounts& counts = calibration.counts;
-  const double percent = 100.0 / static_cast<double>(std::max<std::int64_t>(counts.pixels, 1));
-  const auto share = [&](std::int64_t count) { return percent * static_cast<double>(count); };
-  text += fmt::format(
-      "albedo: white {:.3f}, black {:.3f}; pixels darker than {:g}: {:.2f} %, brighter than {:g}: {:.2f} %, "
-      "clipped at 0: {:.2f} %, above 1: {:.2f} %, at a limit of the photo: {:.2f} %\n",
-      rgb_to_xyz(fit.corrected[kWhitePatch])[1], rgb_to_xyz(fit.corrected[kBlackPatch])[1], kDarkestAlbedo,
-      share(counts.too_dark), kBrightestAlbedo, share(counts.too_bright), share(counts.negative),
-      share(counts.above_one), share(counts.clipped_input));
-  return text;
-}
-
-std::vector<BatchItem> calibrate_folder(const std::string& folder, const std::string& output_folder,
-                                        const std::string& ending, const CalibrationOptions& options,
-                                        const std::string& command) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error))
-    throw UserError({folder}, "expected a folder of photographs",
-                    "without --batch one photograph is calibrated");
-  static constexpr std::array<std::string_view, 14> kEndings{".png", ".jpg", ".jpeg", ".tif", ".tiff",
-                                                             ".exr", ".dng", ".cr2",  ".cr3", ".nef",
-                                                             ".arw", ".orf", ".rw2",  ".pef"};
-  std::vector<BatchItem> items;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    std::string kind = entry.path().extension().string();
-    std::transform(kind.begin(), kind.end(), kind.begin(),
-                   [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-    if (!entry.is_regular_file() || std::find(kEndings.begin(), kEndings.end(), kind) == kEndings.end())
-      continue;
-    items.push_back({entry.path().string(),
-                     (fs::path(output_folder) / (entry.path().filename().string() + ending)).string(),
-                     std::nullopt, ""});
-  }
-  if (items.empty()) throw UserError({folder}, "there is no picture in this folder");
-  std::sort(items.begin(), items.end(),
-            [](const BatchItem& a, const BatchItem& b) { return a.photo < b.photo; });
-  host::make_directories(output_folder);
-  host::Progress progress("calibrate", static_cast<std::int64_t>(items.size()));
-  for (BatchItem& item : items) {
-    host::throw_if_interrupted();
-    try {
-      item.done =
-          calibrate(item.photo, options, {item.output, item.output + ".json", "", "", "", ""}, command);
-    } catch (const UserError& refusal) {
-      item.reason = refusal.what();
-    } catch (const std::bad_alloc&) {
-      item.reason = item.photo + ": not enough memory";
-    }
-    progress.advance();
-  }
-  return items;
-}
-
-std::string batch_text(const std::vector<BatchItem>& items) {
-  std::string text;
-  std::size_t done = 0;
-  for (const BatchItem& item : items) {
-    done += item.done ? 1 : 0;
-    text += item.done ? fmt::format("ok      {}: {}\n", item.photo, verdict_line(*item.done))
-                      : fmt::format("refused {}\n", item.reason);
-  }
-  return text + fmt::format("{} of {} photographs calibrated, {} refused\n", done, items.size(),
-                            items.size() - done);
 }
 
 }  // namespace aluminate::calibration

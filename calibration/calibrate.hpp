@@ -47,11 +47,19 @@ struct Calibration {
   PatchSamples patches;
   FitChoice fit;
   CorrectionCounts counts;
+  std::vector<std::string> warnings;
 };
 
 /// Throws UserError naming the photograph.
 Calibration calibrate(const std::string& photo, const CalibrationOptions& options,
                       const CalibrationOutputs& outputs, const std::string& command);
+
+/// What makes the result doubtful, one sentence each: patches that were not used, white or black far from
+/// where they belong, many pixels outside of what the fit can say.
+inline constexpr double kWhiteTolerance = 0.06, kBlackTolerance = 0.02;  // of luminance
+inline constexpr double kMostOfNoLight = 0.02;  // luminance; coal, the darkest material, has it [Lagarde11]
+inline constexpr double kManyNegative = 0.1;    // share of the pixels
+std::vector<std::string> warnings_of(const Calibration& calibration);
 
 /// What a person wants to know: per patch the CIEDE2000 before and after, the fits compared, warnings.
 std::string summary_text(const Calibration& calibration);
@@ -65,7 +73,7 @@ struct BatchItem {
   std::string reason;               // why
 };
 
-/// Every picture in a folder, by name; outputs go to output_folder under the photograph's name plus `ending`.
+/// Every picture in a folder, by name; outputs go to output_folder under the photograph's name with `ending`.
 /// A photograph that fails is listed with its reason and never stops the others. Shows progress.
 std::vector<BatchItem> calibrate_folder(const std::string& folder, const std::string& output_folder,
                                         const std::string& ending, const CalibrationOptions& options,

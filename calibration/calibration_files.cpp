@@ -106,7 +106,8 @@ std::string calibration_json(const Calibration& calibration, const std::string& 
   for (const Candidate& candidate : calibration.fit.candidates)
     out["candidates"].push_back(
         {{"name", candidate.name},
-         {"held_out_de2000", candidate.held_out_de2000 ? Json(*candidate.held_out_de2000) : Json(nullptr)}});
+         {"held_out_de2000", candidate.held_out_de2000 ? Json(*candidate.held_out_de2000) : Json(nullptr)},
+         {"objection", candidate.objection}});
   const CorrectionCounts& counts = calibration.counts;
   out["albedo"] = {{"pixels", counts.pixels},
                    {"negative_clipped", counts.negative},
@@ -116,6 +117,7 @@ std::string calibration_json(const Calibration& calibration, const std::string& 
                    {"clipped_in_photo", counts.clipped_input},
                    {"white_luminance", rgb_to_xyz(fit.corrected[kWhitePatch])[1]},
                    {"black_luminance", rgb_to_xyz(fit.corrected[kBlackPatch])[1]}};
+  out["warnings"] = calibration.warnings;
   return out.dump(2) + "\n";
 }
 

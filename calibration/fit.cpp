@@ -316,6 +316,23 @@ Fit fit_transform(FitKind kind, int degree, const PatchColours& samples, const C
   return fit;
 }
 
+std::string objection_to(const Transform& transform, const PatchColours& samples) {
+  Colour brightest{};
+  for (std::size_t i = 0; i < kPatchCount; ++i)
+    if (samples.usable[i] && rgb_to_xyz(samples.rgb_lin[i])[1] > rgb_to_xyz(brightest)[1])
+      brightest = samples.rgb_lin[i];
+  constexpr int kSteps = 64;
+  double before = 0.0;
+  for (int step = 0; step <= kSteps; ++step) {
+    const double t = static_cast<double>(step) / kSteps;
+    const Colour albedo = correct(transform, {t * brightest[0], t * brightest[1], t * brightest[2]});
+    const double luminance = std::max(0.0, rgb_to_xyz(albedo)[1]);
+    if (luminance < before - 1e-6) return "makes more light darker";
+    before = luminance;
+  }
+  return "";
+}
+
 FitChoice choose_fit(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference) {
   check_degree(kind, degree);
   check_samples(samples);
@@ -330,11 +347,12 @@ FitChoice choose_fit(FitKind kind, int degree, const PatchColours& samples, cons
   }
   FitChoice choice;
   std::optional<double> best;
+  bool best_has_objection = false;
   std::string refusal;
   for (const Trial& trial : trials) {
     try {
       Fit fit = fit_transform(trial.kind, trial.degree, samples, reference);
-      Candidate candidate{transform_name(fit.transform), std::nullopt};
+      Candidate candidate{transform_name(fit.transform), std::nullopt, objection_to(fit.transform, samples)};
       try {
         candidate.held_out_de2000 = held_out_error(trial.kind, trial.degree, samples, reference);
       } catch (const UserError&) {
@@ -343,8 +361,11 @@ FitChoice choose_fit(FitKind kind, int degree, const PatchColours& samples, cons
         choice.candidates.push_back(std::move(candidate));
         continue;
       }
-      if (!best || *candidate.held_out_de2000 < *best) {
+      const bool has_objection = !candidate.objection.empty();
+      if (!best ||
+          (has_objection == best_has_objection ? *candidate.held_out_de2000 < *best : best_has_objection)) {
         best = candidate.held_out_de2000;
+        best_has_objection = has_objection;
         choice.fit = std::move(fit);
         choice.fit.held_out_de2000 = *best;
       }

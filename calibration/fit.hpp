@@ -51,7 +51,12 @@ struct Fit {
 struct Candidate {
   std::string name;
   std::optional<double> held_out_de2000;  // empty: the samples do not determine this fit
+  std::string objection;                  // why it is not chosen although it predicts patches well, or empty
 };
+
+/// "", or why a transform is no map from light to albedo, which held-out patches cannot tell: on the ramp
+/// from no light to the brightest usable patch, more light must not become a darker albedo.
+std::string objection_to(const Transform& transform, const PatchColours& samples);
 
 struct FitChoice {
   Fit fit;
@@ -63,8 +68,8 @@ struct FitChoice {
 /// coefficients.
 Fit fit_transform(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference);
 
-/// Auto: leave-one-out over all kinds and degrees. Otherwise the kind asked for, with its leave-one-out
-/// error.
+/// Auto: leave-one-out over all kinds and degrees; one with an objection is chosen only when all have one.
+/// Otherwise the kind asked for, with its leave-one-out error.
 FitChoice choose_fit(FitKind kind, int degree, const PatchColours& samples, const ChartReference& reference);
 
 }  // namespace aluminate::calibration

@@ -156,6 +156,15 @@ void draw_line(host::Image8& image, Point a, Point b, host::Rgb8 colour) {
   }
 }
 
+void draw_arrow(host::Image8& image, Point from, Point to, host::Rgb8 colour) {
+  draw_line(image, from, to, colour);
+  const double size = length(to - from);
+  if (size < 2.0) return;
+  const Point along = (5.0 / size) * (to - from), across{-along.y, along.x};
+  draw_line(image, to, to - along + 0.5 * across, colour);
+  draw_line(image, to, to - along - 0.5 * across, colour);
+}
+
 void paste(host::Image8& page, const host::Image8& picture, int left, int top) {
   for (int y = 0; y < picture.height; ++y)
     std::copy_n(
@@ -174,7 +183,7 @@ constexpr const char* kStyle =
     ".window{fill:none;stroke:#0f0;stroke-width:1.5}.unused{stroke:#f00}.diagram{border:1px solid "
     "#ccc}.gamut{fill:none;stroke:#bbb}"
     ".before{stroke:#c60;stroke-dasharray:3 "
-    "3}.after{stroke:#06c;stroke-width:1.5}circle{stroke:#333}.number{font:11px "
+    "3}.after{stroke:#06c;stroke-width:1.5}circle{stroke:#333}.warning{color:#a00}.number{font:11px "
     "sans-serif;fill:#0f0;text-anchor:middle}";
 
 }  // namespace
@@ -212,6 +221,8 @@ std::string report_html(const Calibration& calibration, const ReportPictures& pi
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>calibration of "
       "{0}</title><style>{1}</style>\n<h1>{0}</h1>\n<p>{2}</p>\n",
       escaped(calibration.photo), kStyle, escaped(verdict_line(calibration)));
+  for (const std::string& warning : calibration.warnings)
+    html += fmt::format("<p class=\"warning\">{}</p>\n", escaped(warning));
   html +=
       "<h2>The chart in the photograph</h2>\n<p>Green: what was sampled. Red: patches that were not "
       "used.</p>\n" +
@@ -252,35 +263,54 @@ std::string report_html(const Calibration& calibration, const ReportPictures& pi
 }
 
 std::vector<std::uint8_t> report_png(const Calibration& calibration, const ReportPictures& pictures) {
-  constexpr int kMargin = 16;
+  constexpr int kMargin = 16, kTitle = 30, kTextPx = 16, kLinePx = 22;
   const int diagram_width = static_cast<int>(kDiagramWidth * kDiagramPx),
             diagram_height = static_cast<int>(kDiagramHeight * kDiagramPx);
-  host::Image8 page{2 * pictures.before.width + diagram_width + 4 * kMargin,
-                    std::max(pictures.before.height, diagram_height) + 2 * kMargin,
+  // Two columns, two rows: photograph and albedo over plausibility and chromaticity; sentences at the bottom.
+  const host::Image8& first = pictures.before;
+  const int left = kMargin, right = first.width + 2 * kMargin, top = kMargin + kTitle,
+            below = top + first.height + kMargin + kTitle;
+  std::vector<std::string> lines{verdict_line(calibration)};
+  for (const std::string& warning : calibration.warnings) lines.push_back("warning: " + warning);
+  const int text_top = below + std::max(first.height, diagram_height) + kMargin;
+  host::Image8 page{right + std::max(first.width, diagram_width) + kMargin,
+                    text_top + static_cast<int>(lines.size()) * kLinePx + kMargin,
                     3,
                     {}};
   page.texels.assign(static_cast<std::size_t>(page.width) * static_cast<std::size_t>(page.height) * 3, 250);
+  const auto write = [&](int x, int y, const std::string& text) {
+    host::draw_text(page, x, y, text, kTextPx, {40, 40, 40});
+  };
+  write(left, top - 8, "photograph; green: sampled, red: not used");
+  write(right, top - 8, "albedo");
+  write(left, below - 8, "magenta: brighter, cyan: darker than materials are");
+  write(right, below - 8, "xy; orange: photograph to reference, blue: what remains");
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    write(left, text_top + static_cast<int>(i + 1) * kLinePx - 6, lines[i]);
+
   host::Image8 before = pictures.before;
   const std::vector<Outline> windows = sampled_windows(calibration, before.width);
   for (std::size_t i = 0; i < kPatchCount; ++i)
     for (std::size_t k = 0; k < 4; ++k)
       draw_line(before, windows[i].corners[k], windows[i].corners[(k + 1) % 4],
                 calibration.patches[i].usable() ? host::Rgb8{0, 255, 0} : host::Rgb8{255, 0, 0});
-  paste(page, before, kMargin, kMargin);
-  paste(page, pictures.range, before.width + 2 * kMargin, kMargin);
-  const Point origin{2.0 * before.width + 3.0 * kMargin, static_cast<double>(kMargin)};
+  paste(page, before, left, top);
+  paste(page, pictures.after, right, top);
+  paste(page, pictures.range, left, below);
+  const Point origin{static_cast<double>(right), static_cast<double>(below)};
   const auto at = [&](const Colour& xyy) { return origin + diagram(xyy); };
   const std::array<Colour, 3> gamut{{{0.64, 0.33, 0}, {0.30, 0.60, 0}, {0.15, 0.06, 0}}};
   for (std::size_t i = 0; i < 3; ++i) draw_line(page, at(gamut[i]), at(gamut[(i + 1) % 3]), {180, 180, 180});
   const ChartReference& reference = chart_reference(calibration.options.edition);
   for (std::size_t i = 0; i < kPatchCount; ++i) {
-    const Point target = at(xyy_of(reference.rgb_lin[i]));
+    const Point target = at(xyy_of(reference.rgb_lin[i])),
+                found = at(xyy_of(calibration.fit.fit.corrected[i]));
     draw_line(page, at(xyy_of(calibration.patches[i].mean)), target, {204, 102, 0});
     for (const double angle : {0.0, 0.8, 1.6, 2.4}) {
       const Point arm{3.0 * std::cos(angle), 3.0 * std::sin(angle)};
       draw_line(page, target - arm, target + arm, {60, 60, 60});
     }
-    draw_line(page, target, at(xyy_of(calibration.fit.fit.corrected[i])), {0, 102, 204});
+    draw_arrow(page, target, found, {0, 102, 204});
   }
   return host::encode_png(page);
 }

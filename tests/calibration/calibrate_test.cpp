@@ -61,6 +61,28 @@ TEST(SrgbCodes, EverySixteenBitCodeSurvivesDecodingAndEncoding) {
   EXPECT_EQ(codes.code16(std::nanf("")), 0);
 }
 
+TEST(SixteenBitFiles, HoldTheirExactCodesOnAnyNumberOfThreads) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 63}, {5, 64}, {33, 65}, {61, 200}}) {
+    std::mt19937 random(2);
+    std::vector<std::uint16_t> codes(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (std::uint16_t& code : codes) code = static_cast<std::uint16_t>(random());
+    host::set_thread_count(1);
+    const std::vector<std::uint8_t> png = host::encode_png16(width, height, codes, true),
+                                    tiff = host::encode_tiff16(width, height, codes);
+    host::set_thread_count(3);
+    EXPECT_EQ(host::encode_png16(width, height, codes, true), png);
+    host::set_thread_count(0);
+    for (const auto& file : {png, tiff}) {
+      const host::ImageFloat image = host::decode_float(file, "test");
+      EXPECT_EQ(image.stored, host::StoredAs::Unorm16);
+      ASSERT_EQ(image.width, width);
+      ASSERT_EQ(image.texels.size(), codes.size());
+      for (std::size_t i = 0; i < codes.size(); ++i)
+        ASSERT_EQ(std::lround(image.texels[i] * 65535.0f), codes[i]);
+    }
+  }
+}
+
 TEST(CorrectPhoto, IdentityKeepsSixteenBits) {
   host::ImageFloat image;
   image.width = 256;
@@ -343,10 +365,58 @@ TEST(Batch, OneFailureNeverStopsTheRest) {
   EXPECT_TRUE(items[0].done && items[2].done);
   EXPECT_FALSE(items[1].done || items[3].done);
   EXPECT_THAT(items[1].reason, HasSubstr("no ColorChecker"));
-  EXPECT_TRUE(fs::exists(folder / "out/a.png.png") && fs::exists(folder / "out/c.png.png.json"));
-  EXPECT_FALSE(fs::exists(folder / "out/b.png.png"));
+  EXPECT_TRUE(fs::exists(folder / "out/a.png") && fs::exists(folder / "out/c.png.json"));
+  EXPECT_FALSE(fs::exists(folder / "out/b.png"));
   EXPECT_THAT(batch_text(items), HasSubstr("2 of 4 photographs calibrated, 2 refused"));
   EXPECT_THROW(calibrate_folder(folder / "nowhere", folder / "out", ".png", {}, "test"), UserError);
+  EXPECT_THROW(calibrate_folder(folder / "in", folder / "in", ".png", {}, "test"), UserError)
+      << "photographs would be overwritten";
+  EXPECT_THROW(calibrate_folder(folder / "in", folder / "out", ".jpg", {}, "test"), UserError);
+}
+
+TEST(Batch, PhotographsOfOneStemDoNotOverwriteEachOther) {
+  const Folder folder;
+  fs::create_directories(folder / "in");
+  for (const char* name : {"in/wall.jpg", "in/Wall.png", "in/floor.tif"})
+    host::write_file(folder / name, std::string_view("not a picture"));
+  std::vector<std::string> outputs;
+  for (const BatchItem& item : calibrate_folder(folder / "in", folder / "out", ".png", {}, "test"))
+    outputs.push_back(fs::path(item.output).filename().string());
+  EXPECT_THAT(outputs, testing::ElementsAre("Wall.png.png", "floor.png", "wall.jpg.png"));
+}
+
+TEST(Calibrate, DoubtsAreToldAndReachEveryReport) {
+  const Folder folder;
+  test::Scene scene = realistic_scene();
+  EXPECT_EQ((test::write_photograph(scene, folder / "good.png"),
+             calibrate(folder / "good.png", {}, {}, "test").warnings),
+            std::vector<std::string>{});
+  scene.camera.balance = {1.6, 1.6, 1.6};  // several patches leave the range
+  test::write_photograph(scene, folder / "photo.png");
+  const Calibration done =
+      calibrate(folder / "photo.png", {}, {"", folder / "out.json", "", folder / "out.html", "", ""}, "test");
+  EXPECT_THAT(done.warnings, testing::Contains(HasSubstr("of 24 patches are not used")));
+  for (const std::string& warning : done.warnings) {
+    EXPECT_THAT(host::read_text(folder / "out.json"), HasSubstr(warning));
+    EXPECT_THAT(host::read_text(folder / "out.html"), HasSubstr(warning));
+  }
+}
+
+TEST(Calibrate, ReportIsAlsoAPicture) {
+  const Folder folder;
+  test::write_photograph(realistic_scene(), folder / "photo.png");
+  calibrate(folder / "photo.png", {}, {"", "", "", folder / "out.png", "", ""}, "test");
+  const host::Image8 page = host::read_image_rgba8(folder / "out.png");
+  EXPECT_GT(page.width, 2 * 640);
+  EXPECT_GT(page.height, 2 * 480);
+  std::size_t green = 0, blue = 0;
+  for (std::size_t i = 0; i < page.texels.size(); i += 4) {
+    const std::uint8_t* p = page.texels.data() + i;
+    green += p[0] == 0 && p[1] == 255 && p[2] == 0 ? 1 : 0;
+    blue += p[0] == 0 && p[1] == 102 && p[2] == 204 ? 1 : 0;
+  }
+  EXPECT_GT(green, 24u * 4 * 20) << "24 windows of 26 px";
+  EXPECT_GT(blue, 24u) << "what remains of each patch";
 }
 
 TEST(Calibrate, SummaryListsEveryPatchAndEveryFit) {

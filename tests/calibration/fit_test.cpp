@@ -241,6 +241,39 @@ TEST(Fit, ToneLinearUndoesAPowerCurveBehindCrossTalk) {
   EXPECT_LT(fit.after.max_de2000, 1e-3);
 }
 
+TEST(Fit, TransformsThatMakeMoreLightDarkerAreObjectedTo) {
+  const PatchColours samples = test::photographed_patches(test::realistic_camera(), reference());
+  EXPECT_EQ(objection_to(LinearFit{}, samples), "");
+  AffinePolyAffine chain;
+  for (Polynomial& p : chain.polynomials) p.high = 10.0;
+  EXPECT_EQ(objection_to(chain, samples), "");
+  chain.polynomials[2].a = {0.0, 1.0, -1.2, 0.0, 0.0, 0.0};  // falls beyond Y = 0.42
+  EXPECT_EQ(objection_to(chain, samples), "makes more light darker");
+}
+
+TEST(Fit, AutoChoosesNoTransformItObjectsToWhileThereIsAnother) {
+  // Wrong tone curves: high degrees follow them and turn over near black.
+  std::mt19937 random(3);
+  int objected = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    PatchColours samples = test::photographed_patches(test::realistic_camera(), reference());
+    for (Colour& colour : samples.rgb_lin)
+      for (double& value : colour)
+        value =
+            std::pow(value, 0.4 + 0.03 * trial) * (1.0 + 0.02 * static_cast<double>(random() % 100) / 100.0);
+    const FitChoice choice = choose_fit(FitKind::Auto, 3, samples, reference());
+    double best = 1e9;
+    for (const Candidate& candidate : choice.candidates) {
+      objected += candidate.objection.empty() ? 0 : 1;
+      if (candidate.objection.empty() && candidate.held_out_de2000)
+        best = std::min(best, *candidate.held_out_de2000);
+    }
+    EXPECT_EQ(choice.fit.held_out_de2000, best);
+    EXPECT_EQ(objection_to(choice.fit.transform, samples), "");
+  }
+  EXPECT_GT(objected, 0);
+}
+
 TEST(Fit, RootPolynomialFollowsExposure) {
   const PatchColours samples = test::photographed_patches(test::realistic_camera(), reference());
   for (int degree = 1; degree <= 3; ++degree) {
