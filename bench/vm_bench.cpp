@@ -169,7 +169,7 @@ void run_fetch(benchmark::State& state, Pattern pattern, bool srgb) {
   for (auto _ : state) {
     request.rows[0] = coordinates.memory + 2 * block * kLanes;
     request.rows[1] = request.rows[0] + kLanes;
-    for (std::size_t i = 2; i < 6; ++i) request.rows[i] = request.rows[0];
+    
     benchmark::DoNotOptimize(fetch(binding, request, false, grid,
                                    {texels.memory, texels.memory + 64, texels.memory + 128, texels.memory + 192}));
     block = (block + 1) % 256;

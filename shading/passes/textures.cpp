@@ -37,7 +37,7 @@ void TextureSet::decode(const scenes::Scene& scene) {
     texture = vm::Texture::from_rgba8(image.width, image.height, image.texels, key.second, true);
   });
   for (const auto* job : jobs)
-    for (const vm::MipLevel& level : job->second.levels()) texel_bytes_ += level.rgba.size();
+    for (const vm::MipLevel& level : job->second.levels()) texel_bytes_ += 4 * level.texel_count();
 }
 
 const vm::Texture* TextureSet::find(int image, bool srgb) const {

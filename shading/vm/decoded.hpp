@@ -71,6 +71,7 @@ struct Operation {
   bool absolute = false, negate = false;// Copy
   std::uint8_t sampler = 0;             // Texture
   Opcode texture_op = Opcode::Tex;
+  SamplerDimension dimension = SamplerDimension::Tex2D;
   std::uint8_t texture_mask = 0;        // Texture: components wanted, to rows texture_dst
   std::array<std::uint32_t, 4> texture_dst{};
   Relative relative{};                  // RelativeUniform

@@ -46,8 +46,7 @@ class Executable {
   std::shared_ptr<const Decoded> decoded_;
 };
 
-/// Validates and decodes. Throws InternalError for an invalid program and UserError for what the texture unit lacks
-/// (cube and 3D samplers), naming the sampler.
+/// Validates and decodes. Throws InternalError for an invalid program.
 Executable prepare(const Program& program, const number::NumberFormat& format);
 
 /// Working memory of one worker. Grows in fit(), never in run().

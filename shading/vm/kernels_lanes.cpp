@@ -71,6 +71,7 @@ void relative_uniform(const Operation& op, Frame& frame) noexcept {
 void texture(const Operation& op, Frame& frame) noexcept {
   FetchRequest request;
   request.op = op.texture_op;
+  request.dimension = op.dimension;
   for (std::size_t i = 0; i < request.rows.size(); ++i) request.rows[i] = at(frame, op.src[i]);
   request.exec = frame.exec;
   request.covered = frame.covered;

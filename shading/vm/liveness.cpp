@@ -128,7 +128,7 @@ class Solver {
       const Instruction& in = program_.code[i];
       if (!reads_quad(in.op) || !result_.masked[i] || in.src[0].file != RegisterFile::Temp) continue;
       for (std::size_t p = 0; p < 4; ++p)
-        if ((positions_read(in, 0, in.dst.mask) >> p & 1) != 0)
+        if ((positions_read(program_, in, 0, in.dst.mask) >> p & 1) != 0)
           result_.quad_temps[in.src[0].index] |= static_cast<std::uint8_t>(1u << in.src[0].swizzle[p]);
     }
   }
@@ -151,7 +151,7 @@ class Solver {
     result_.live_mask[i] = used;
     for (int s = 0; s < info(in.op).sources; ++s) {
       const Source& source = in.src[static_cast<std::size_t>(s)];
-      const std::uint8_t positions = positions_read(in, s, used);
+      const std::uint8_t positions = positions_read(program_, in, s, used);
       for (std::size_t p = 0; p < 4; ++p)
         if ((positions >> p & 1) != 0 && source.file == RegisterFile::Temp)
           live[bit(RegisterFile::Temp, source.index, source.swizzle[p])] = true;

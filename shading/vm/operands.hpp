@@ -51,7 +51,7 @@ constexpr bool reads_quad(Opcode op) {
 
 /// Positions (bit 0 = x .. bit 3 = w, before the swizzle) that source `index` reads when the result components in
 /// `result_mask` are wanted. Position p reads component swizzle[p].
-constexpr std::uint8_t positions_read(const Instruction& i, int index, std::uint8_t result_mask) {
+inline std::uint8_t positions_read(const Program& program, const Instruction& i, int index, std::uint8_t result_mask) {
   switch (shape_of(i.op)) {
     case Shape::PerComponent: return result_mask;
     case Shape::Dot:
@@ -59,8 +59,11 @@ constexpr std::uint8_t positions_read(const Instruction& i, int index, std::uint
       if (i.op == Opcode::Dp2Add) return index == 2 ? 0x1 : 0x3;
       return i.op == Opcode::Dp3 ? 0x7 : 0xf;
     case Shape::ScalarUnit: return result_mask != 0 ? 0x1 : 0;
-    case Shape::Texture:  // a fetch costs time whether its result is used or not, so it always runs
-      return index == 0 && (i.op == Opcode::TexBias || i.op == Opcode::TexLod) ? 0xb : 0x3;
+    case Shape::Texture: {  // a fetch costs time whether its result is used or not, so it always runs
+      const std::uint8_t coordinates = program.samplers[i.sampler].dimension == SamplerDimension::Tex2D ? 0x3 : 0x7;
+      const bool has_level = index == 0 && (i.op == Opcode::TexBias || i.op == Opcode::TexLod);
+      return static_cast<std::uint8_t>(coordinates | (has_level ? 0x8 : 0));
+    }
     case Shape::Test: return 0x1;
     case Shape::Marker: break;
   }

@@ -10,29 +10,12 @@
 #include "shading/vm/grid_plan.hpp"
 #include "shading/vm/operands.hpp"
 #include "shading/vm/row_map.hpp"
+#include "shading/vm/texture_unit.hpp"
 
 namespace aluminate::vm {
 namespace {
 
 constexpr std::uint32_t row_offset(std::int64_t row) { return static_cast<std::uint32_t>(row) * kLanes; }
-
-bool is_texture(Opcode op) { return shape_of(op) == Shape::Texture; }
-
-void refuse_unsupported_samplers(const Program& program) {
-  for (const Instruction& i : program.code) {
-    if (!is_texture(i.op)) continue;
-    const SamplerSymbol& s = program.samplers[i.sampler];
-    const SourcePlace place{i.line.file < program.files.size() ? program.files[i.line.file] : "",
-                            static_cast<int>(i.line.line), i.line.column};
-    if (s.dimension != SamplerDimension::Tex2D)
-      throw UserError(place, fmt::format("sampler '{}' is a {} texture; the texture unit has 2D textures only", s.name,
-                                         s.dimension == SamplerDimension::TexCube ? "cube" : "3D"),
-                      "sample a 2D texture instead");
-    if (s.shadow_compare)
-      throw UserError(place, fmt::format("sampler '{}' compares depths; the texture unit does not", s.name),
-                      "sample the depth as a texture and compare in the shader");
-  }
-}
 
 // A source position after decoding: where it is and whether its sign is still to be flipped.
 struct Resolved {
@@ -75,7 +58,7 @@ class Decoder {
       for (int s = 0; s < info(program_.code[i].op).sources; ++s) {
         const Source& source = program_.code[i].src[static_cast<std::size_t>(s)];
         if (source.file != RegisterFile::Input) continue;
-        const std::uint8_t positions = positions_read(program_.code[i], s, liveness_.live_mask[i]);
+        const std::uint8_t positions = positions_read(program_, program_.code[i], s, liveness_.live_mask[i]);
         for (std::size_t p = 0; p < 4; ++p)
           if ((positions >> p & 1) != 0) read[source.index] |= static_cast<std::uint8_t>(1u << source.swizzle[p]);
       }
@@ -419,13 +402,12 @@ class Decoder {
     op.texture_op = now_->op;
     op.sampler = now_->sampler;
     op.texture_mask = wanted;
-    const auto row = [&](std::size_t source, std::size_t position) { return in_row(resolve_plain(source, position)); };
-    op.src[0] = row(0, 0);
-    op.src[1] = row(0, 1);
-    for (std::size_t i = 2; i < 6; ++i) op.src[i] = op.src[0];
-    if (now_->op == Opcode::TexBias || now_->op == Opcode::TexLod) op.src[2] = row(0, 3);
-    if (now_->op == Opcode::TexGrad)
-      for (std::size_t i = 0; i < 4; ++i) op.src[2 + i] = row(1 + i / 2, i % 2);
+    op.dimension = program_.samplers[now_->sampler].dimension;
+    for (std::size_t i = 0; i < op.src.size(); ++i) {
+      const FetchOperand from = fetch_operand(op.texture_op, op.dimension, i);
+      op.src[i] = from.source < 0 ? op.src[0]
+                                  : in_row(resolve_plain(static_cast<std::size_t>(from.source), static_cast<std::size_t>(from.position)));
+    }
     for (std::size_t c = 0; c < 4; ++c)
       if ((wanted >> c & 1) != 0) op.texture_dst[c] = destination_row(c);
     push(op, 0);
@@ -568,7 +550,6 @@ class Decoder {
 
 Executable prepare(const Program& program, const number::NumberFormat& format) {
   validate(program);
-  refuse_unsupported_samplers(program);
   return Executable(std::make_shared<const Decoded>(Decoder(program, format).decode()));
 }
 

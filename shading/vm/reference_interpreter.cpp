@@ -128,20 +128,19 @@ struct Machine {
   // All lanes' texels at once: implicit detail needs the whole quad.
   std::array<Vec4, kLanes> sample(std::size_t index, const Lanes& exec) {
     const Instruction& i = program.code[index];
-    std::array<std::array<double, kLanes>, 6> coordinates{};
+    std::array<std::array<double, kLanes>, 9> coordinates{};
     std::array<std::array<double, kLanes>, 4> texels{};
     FetchRequest request;
     request.op = i.op;
-    for (int l = 0; l < kLanes; ++l) {
-      const auto lane = static_cast<std::size_t>(l);
-      coordinates[0][lane] = read(i.src[0], 0, l);
-      coordinates[1][lane] = read(i.src[0], 1, l);
-      if (i.op == Opcode::TexBias || i.op == Opcode::TexLod) coordinates[2][lane] = read(i.src[0], 3, l);
-      if (i.op == Opcode::TexGrad)
-        for (std::size_t k = 0; k < 4; ++k) coordinates[2 + k][lane] = read(i.src[1 + k / 2], static_cast<int>(k % 2), l);
-      if (exec[lane]) request.exec |= std::uint64_t{1} << l;
+    request.dimension = program.samplers[i.sampler].dimension;
+    for (std::size_t k = 0; k < coordinates.size(); ++k) {
+      const FetchOperand from = fetch_operand(i.op, request.dimension, k);
+      for (int l = 0; from.source >= 0 && l < kLanes; ++l)
+        coordinates[k][static_cast<std::size_t>(l)] = read(i.src[static_cast<std::size_t>(from.source)], from.position, l);
+      request.rows[k] = coordinates[k].data();
     }
-    for (std::size_t k = 0; k < 6; ++k) request.rows[k] = coordinates[k].data();
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      if (exec[lane]) request.exec |= std::uint64_t{1} << lane;
     request.covered = batch.covered & batch.active;
     const FetchCost cost = fetch_reference(batch.samplers[i.sampler], request, true, plan.grid(index),
                                            {texels[0].data(), texels[1].data(), texels[2].data(), texels[3].data()});

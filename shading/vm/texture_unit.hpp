@@ -1,7 +1,7 @@
 // Fetches 64 lanes of texels: level of detail, addressing, filtering, all in integers after the coordinates.
 //   in   coordinate rows as the shader computed them (any finite value), the sampler's binding
 //   out  rows of numbers in [0, 1] on the result's grid, and what the fetch cost
-// Definitions (level of detail, weights, rounding): docs/texture_unit.md.
+// Definitions (level of detail, faces, weights, rounding): docs/texture_unit.md.
 #pragma once
 
 #include <array>
@@ -14,32 +14,57 @@
 
 namespace aluminate::vm {
 
+/// Coordinates a sampler takes: 2 for a flat texture, 3 for a direction (cube) or a volume.
+constexpr std::size_t coordinate_count(SamplerDimension d) { return d == SamplerDimension::Tex2D ? 2 : 3; }
+
+/// 64 doubles a row, n = coordinate_count. Rows [0, n): the coordinates. TexBias, TexLod: row n is the bias
+/// or the level. TexGrad: rows [n, 2n) differ along x, [2n, 3n) along y. Other rows are not read.
 struct FetchRequest {
   Opcode op = Opcode::Tex;
-  /// Tex: u v. TexBias, TexLod: u v and the bias or level. TexGrad: u v, du/dx dv/dx, du/dy dv/dy. 64 doubles each.
-  std::array<const double*, 6> rows{};
+  SamplerDimension dimension = SamplerDimension::Tex2D;
+  std::array<const double*, 9> rows{};
   std::uint64_t exec = 0;     // lanes that want a result
   std::uint64_t covered = 0;  // lanes that are billed
 };
+
+/// Source operand and position in it that row i of a request comes from; source < 0: not read.
+struct FetchOperand {
+  int source = -1, position = 0;
+};
+constexpr FetchOperand fetch_operand(Opcode op, SamplerDimension dimension, std::size_t row) {
+  const std::size_t n = coordinate_count(dimension);
+  if (row < n) return {0, static_cast<int>(row)};
+  if ((op == Opcode::TexBias || op == Opcode::TexLod) && row == n) return {0, 3};
+  if (op == Opcode::TexGrad && row < 3 * n) return {static_cast<int>(row / n), static_cast<int>(row % n)};
+  return {};
+}
 
 struct FetchCost {
   std::uint64_t fetches = 0;  // covered lanes that fetched
   std::uint64_t cycles = 0;   // bilinear cycles of those
 };
 
-/// results[c] == nullptr: component c is not wanted. masked: other lanes of the result rows keep what they had.
-/// Result rows may be coordinate rows. Implicit detail: one level per quad, from lanes 1 - 0 and 2 - 0.
-FetchCost fetch(const SamplerBinding& binding, const FetchRequest& request, bool masked, const number::Grid& grid,
-                const std::array<double*, 4>& results) noexcept;
+/// results[c] == nullptr: component c is not wanted. masked: other lanes of the result rows keep what they
+/// had. Result rows may be coordinate rows. Implicit detail: one level per quad, from lanes 1 - 0 and 2 - 0.
+/// No texture, or one of another shape than the request's: (0, 0, 0, 1).
+FetchCost fetch(const SamplerBinding& binding, const FetchRequest& request, bool masked,
+                const number::Grid& grid, const std::array<double*, 4>& results) noexcept;
 
 /// The same, texel by texel; the oracle.
 FetchCost fetch_reference(const SamplerBinding& binding, const FetchRequest& request, bool masked,
                           const number::Grid& grid, const std::array<double*, 4>& results) noexcept;
 
-// ---- shared definitions -----------------------------------------------------------------------------------------
+// ---- shared definitions
+// -----------------------------------------------------------------------------------------
+
+bool has_shape(const Texture* texture, SamplerDimension dimension) noexcept;
 
 /// Level of detail times 256: 256 * log2 of the longer of the two texel-space derivative vectors.
-std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width, int height) noexcept;
+std::int32_t volume_level_of_detail(const std::array<double, 3>& along_x,
+                                    const std::array<double, 3>& along_y,
+                                    const std::array<int, 3>& size) noexcept;
+std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width,
+                             int height) noexcept;
 /// A level or bias given as a number, times 256, to nearest.
 std::int32_t to_lod(double level) noexcept;
 

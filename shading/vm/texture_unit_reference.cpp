@@ -3,25 +3,21 @@
 #include <cmath>
 
 #include "platform/number/scalar.hpp"
-#include "shading/vm/srgb.hpp"
+#include "shading/vm/cube_map.hpp"
 #include "shading/vm/texture_unit.hpp"
 
 namespace aluminate::vm {
 namespace {
 
-// 16-bit linear value of one channel of a texel.
-std::uint64_t texel16(const Texture& texture, const MipLevel& level, std::int64_t x, std::int64_t y, std::size_t channel) {
-  const std::uint8_t code =
-      level.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x)) + channel];
-  return texture.srgb() && channel < 3 ? srgb_decode16(code) : std::uint64_t{code} * 257;
-}
-
 // Coordinate folded into [0, 1]: exact, because floor and subtraction are.
 double fold(Address mode, double u) {
   switch (mode) {
-    case Address::Wrap: return u - std::floor(u);
-    case Address::Clamp: return u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
-    case Address::Mirror: break;
+    case Address::Wrap:
+      return u - std::floor(u);
+    case Address::Clamp:
+      return u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
+    case Address::Mirror:
+      break;
   }
   const double t = u - 2.0 * std::floor(0.5 * u);
   return t > 1.0 ? 2.0 - t : t;
@@ -33,8 +29,8 @@ std::int64_t to_texel(Address mode, std::int64_t x, std::int64_t size) {
 }
 
 struct Axis {
-  std::int64_t texel[2];
-  std::uint64_t weight[2];  // sum 256
+  std::array<std::int64_t, 2> texel{};
+  std::array<std::uint64_t, 2> weight{256, 0};  // sum 256
 };
 
 Axis locate(Address mode, Filter filter, double u, int size) {
@@ -44,37 +40,142 @@ Axis locate(Address mode, Filter filter, double u, int size) {
   if (filter == Filter::Point) return {{to_texel(mode, position >> 8, size), 0}, {256, 0}};
   const std::int64_t corner = position - 128;
   const auto fraction = static_cast<std::uint64_t>(corner & 255);
-  return {{to_texel(mode, corner >> 8, size), to_texel(mode, (corner >> 8) + 1, size)}, {256 - fraction, fraction}};
+  return {{to_texel(mode, corner >> 8, size), to_texel(mode, (corner >> 8) + 1, size)},
+          {256 - fraction, fraction}};
 }
 
-using Sums = std::array<std::uint64_t, 4>;
-
-// Scaled by 2^16: <= 65535 * 2^16.
-Sums bilinear(const SamplerBinding& binding, Filter filter, int level_index, double u, double v) {
-  const Texture& texture = *binding.texture;
-  const MipLevel& level = texture.levels()[static_cast<std::size_t>(level_index)];
-  const Axis x = locate(binding.state.u, filter, u, level.width), y = locate(binding.state.v, filter, v, level.height);
-  Sums sum{};
-  for (std::size_t j = 0; j < 2; ++j)
-    for (std::size_t i = 0; i < 2; ++i)
-      if (x.weight[i] * y.weight[j] != 0)
-        for (std::size_t c = 0; c < 4; ++c)
-          sum[c] += x.weight[i] * y.weight[j] * texel16(texture, level, x.texel[i], y.texel[j], c);
-  return sum;
-}
-
-}  // namespace
-
-std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width, int height) noexcept {
-  const double ux = du_dx * width, vx = dv_dx * height, uy = du_dy * width, vy = dv_dy * height;
-  const double along_x = ux * ux + vx * vx, along_y = uy * uy + vy * vy;
-  double rho2 = along_x > along_y ? along_x : along_y;
+std::int32_t lod_of_square(double rho2) noexcept {
   rho2 = rho2 < 0x1p60 ? rho2 : 0x1p60;  // also what overflowed to infinity
   // 256 * log2(rho) = 128 * log2(rho^2), to nearest even; log2 as the instruction defines it, without a grid.
   const number::Grid none{};
   constexpr double kLeastRho2 = 0x1p-60;
   const double lod = 128.0 * number::log2(none, kLeastRho2, rho2);
   return static_cast<std::int32_t>((lod + number::kToInteger) - number::kToInteger);
+}
+
+// One lane's fetch, from its coordinates to a sum of texels.
+class LaneFetch {
+ public:
+  LaneFetch(const SamplerBinding& binding, const FetchRequest& request, int lane)
+      : texture_(*binding.texture), state_(binding.state), request_(request), lane_(lane) {}
+
+  std::int32_t detail() const {
+    const std::size_t n = coordinate_count(request_.dimension);
+    if (request_.op == Opcode::TexLod) return to_lod(row(n, lane_));
+    const int first = lane_ & ~3;
+    Direction at{}, along_x{}, along_y{};
+    for (std::size_t k = 0; k < n; ++k) {
+      if (request_.op == Opcode::TexGrad) {
+        at[k] = row(k, lane_);
+        along_x[k] = row(n + k, lane_);
+        along_y[k] = row(2 * n + k, lane_);
+      } else {
+        at[k] = row(k, first);
+        along_x[k] = row(k, first + 1) - row(k, first);
+        along_y[k] = row(k, first + 2) - row(k, first);
+      }
+    }
+    const std::int32_t lod = detail_of(at, along_x, along_y);
+    return request_.op == Opcode::TexBias ? lod + to_lod(row(n, lane_)) : lod;
+  }
+
+  // Scaled by 65535 * 2^24; for volumes the third axis is weighed first and its 8 bits are rounded away at
+  // the end.
+  std::array<std::uint64_t, 4> filtered(const MipChoice& mip) const {
+    std::array<std::uint64_t, 4> sum{};
+    const auto fraction = static_cast<std::uint64_t>(mip.fraction);
+    add_level(mip.level, mip.filter, 256 - fraction, sum);
+    if (fraction != 0) add_level(mip.level + 1, mip.filter, fraction, sum);
+    return sum;
+  }
+
+ private:
+  double row(std::size_t r, int lane) const { return request_.rows[r][lane]; }
+
+  std::int32_t detail_of(const Direction& at, const Direction& along_x, const Direction& along_y) const {
+    const MipLevel& base = texture_.levels().front();
+    if (request_.dimension == SamplerDimension::TexCube) {
+      const auto x = face_step(at, along_x), y = face_step(at, along_y);
+      return level_of_detail(x[0], x[1], y[0], y[1], base.width, base.height);
+    }
+    if (request_.dimension == SamplerDimension::Tex3D)
+      return volume_level_of_detail(along_x, along_y, {base.width, base.height, base.slices});
+    return level_of_detail(along_x[0], along_x[1], along_y[0], along_y[1], base.width, base.height);
+  }
+
+  void add_level(std::int32_t index, Filter filter, std::uint64_t weight,
+                 std::array<std::uint64_t, 4>& sum) const {
+    const auto level = static_cast<std::size_t>(index);
+    const MipLevel& mip = texture_.levels()[level];
+    double u = row(0, lane_), v = row(1, lane_);
+    Address mode_u = state_.u, mode_v = state_.v;
+    Axis slices;
+    if (request_.dimension == SamplerDimension::TexCube) {
+      const FacePoint point = face_point({u, v, row(2, lane_)});
+      u = point.u, v = point.v;
+      mode_u = mode_v = Address::Clamp;
+      slices.texel[0] = point.face;
+    } else if (request_.dimension == SamplerDimension::Tex3D) {
+      slices = locate(state_.w, filter, row(2, lane_), mip.slices);
+    }
+    const Axis x = locate(mode_u, filter, u, mip.width), y = locate(mode_v, filter, v, mip.height);
+    for (std::size_t c = 0; c < 4; ++c) {
+      std::array<std::uint64_t, 2> planes{};  // <= 65535 * 2^16
+      for (std::size_t k = 0; k < 2; ++k)
+        for (std::size_t j = 0; j < 2; ++j)
+          for (std::size_t i = 0; i < 2; ++i) {
+            const std::uint64_t w = slices.weight[k] == 0 ? 0 : x.weight[i] * y.weight[j];
+            if (w == 0) continue;
+            const std::int64_t texel = (slices.texel[k] * mip.height + y.texel[j]) * mip.width + x.texel[i];
+            planes[k] += w * texture_.linear16(level, static_cast<std::size_t>(texel), c);
+          }
+      // Two slices: their blend, back to 16 weight bits with round half up, as one more filter stage of the
+      // same width.
+      const std::uint64_t plane =
+          slices.weight[1] == 0 ? planes[0]
+                                : (planes[0] * slices.weight[0] + planes[1] * slices.weight[1] + 128) >> 8;
+      sum[c] += weight * plane;
+    }
+  }
+
+  const Texture& texture_;
+  const SamplerState& state_;
+  const FetchRequest& request_;
+  int lane_;
+};
+
+}  // namespace
+
+bool has_shape(const Texture* texture, SamplerDimension dimension) noexcept {
+  if (texture == nullptr) return false;
+  switch (dimension) {
+    case SamplerDimension::Tex2D:
+      return texture->shape() == TextureShape::Flat;
+    case SamplerDimension::TexCube:
+      return texture->shape() == TextureShape::Cube;
+    case SamplerDimension::Tex3D:
+      break;
+  }
+  return texture->shape() == TextureShape::Volume;
+}
+
+std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width,
+                             int height) noexcept {
+  const double ux = du_dx * width, vx = dv_dx * height, uy = du_dy * width, vy = dv_dy * height;
+  const double along_x = ux * ux + vx * vx, along_y = uy * uy + vy * vy;
+  return lod_of_square(along_x > along_y ? along_x : along_y);
+}
+
+std::int32_t volume_level_of_detail(const std::array<double, 3>& along_x,
+                                    const std::array<double, 3>& along_y,
+                                    const std::array<int, 3>& size) noexcept {
+  double squares[2] = {0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double x = along_x[k] * size[k], y = along_y[k] * size[k];
+    squares[0] += x * x;
+    squares[1] += y * y;
+  }
+  return lod_of_square(squares[0] > squares[1] ? squares[0] : squares[1]);
 }
 
 std::int32_t to_lod(double level) noexcept {
@@ -99,42 +200,27 @@ MipChoice choose_mip(const SamplerState& state, std::size_t levels, std::int32_t
 FetchCost fetch_reference(const SamplerBinding& binding, const FetchRequest& request, bool masked,
                           const number::Grid& grid, const std::array<double*, 4>& results) noexcept {
   FetchCost cost;
-  const auto row = [&](std::size_t r, int lane) { return request.rows[r][lane]; };
+  const bool is_bound = has_shape(binding.texture, request.dimension);
   for (int quad = 0; quad < 64; quad += 4) {
-    std::array<std::array<double, 4>, 4> texels{};  // [lane][channel]: written only after the quad has been read
+    std::array<std::array<double, 4>, 4>
+        texels{};  // [lane][channel]: written only after the quad has been read
     for (int l = 0; l < 4; ++l) {
       const int lane = quad + l;
       auto& texel = texels[static_cast<std::size_t>(l)];
-      const bool executes = (request.exec >> lane & 1) != 0;
-      const bool billed = executes && (request.covered >> lane & 1) != 0;
-      cost.fetches += billed ? 1 : 0;
-      if (binding.texture == nullptr) {
+      const bool is_billed = (request.exec & request.covered) >> lane & 1;
+      cost.fetches += is_billed ? 1 : 0;
+      if (!is_bound) {
         texel = {0, 0, 0, 1};
-        cost.cycles += billed ? 1 : 0;
+        cost.cycles += is_billed ? 1 : 0;
         continue;
       }
-      const MipLevel& base = binding.texture->levels().front();
-      std::int32_t lod = 0;
-      if (request.op == Opcode::TexLod) {
-        lod = to_lod(row(2, lane));
-      } else if (request.op == Opcode::TexGrad) {
-        lod = level_of_detail(row(2, lane), row(3, lane), row(4, lane), row(5, lane), base.width, base.height);
-      } else {
-        lod = level_of_detail(row(0, quad + 1) - row(0, quad), row(1, quad + 1) - row(1, quad),
-                              row(0, quad + 2) - row(0, quad), row(1, quad + 2) - row(1, quad), base.width, base.height);
-        if (request.op == Opcode::TexBias) lod += to_lod(row(2, lane));
-      }
-      const MipChoice mip = choose_mip(binding.state, binding.texture->levels().size(), lod);
-      cost.cycles += billed ? (mip.fraction != 0 ? 2 : 1) : 0;
-
-      const Sums fine = bilinear(binding, mip.filter, mip.level, row(0, lane), row(1, lane));
-      Sums coarse{};
-      if (mip.fraction != 0) coarse = bilinear(binding, mip.filter, mip.level + 1, row(0, lane), row(1, lane));
-      for (std::size_t c = 0; c < 4; ++c) {
-        const auto f = static_cast<std::uint64_t>(mip.fraction);
-        // <= 65535 * 2^24 < 2^40: exact in binary64. One rounding to the grid.
-        texel[c] = texel_value(grid, fine[c] * (256 - f) + coarse[c] * f);
-      }
+      const LaneFetch one(binding, request, lane);
+      const MipChoice mip = choose_mip(binding.state, binding.texture->levels().size(), one.detail());
+      const int slices = request.dimension == SamplerDimension::Tex3D && mip.filter == Filter::Linear ? 2 : 1;
+      cost.cycles += is_billed ? static_cast<std::uint64_t>((mip.fraction != 0 ? 2 : 1) * slices) : 0;
+      const std::array<std::uint64_t, 4> sum = one.filtered(mip);
+      // <= 65535 * 2^24 < 2^40: exact in binary64. One rounding to the grid.
+      for (std::size_t c = 0; c < 4; ++c) texel[c] = texel_value(grid, sum[c]);
     }
     for (int l = 0; l < 4; ++l) {
       if (masked && (request.exec >> (quad + l) & 1) == 0) continue;

@@ -243,20 +243,6 @@ TEST(Accuracy, BlinnPhongSchlickSmithAgreesWithLongDouble) {
   EXPECT_GT(fx31, 1e-9) << "fx31 cannot be that good: is the grid in use?";
 }
 
-TEST(Prepare, RefusesCubeTexturesByName) {
-  Builder b;
-  b.program.samplers.resize(1);
-  b.program.samplers[0] = {"sky_cube", SamplerDimension::TexCube, false};
-  b.program.files = {"sky.hlsl"};
-  b.op(Opcode::Tex, o(0), {v(0)});
-  try {
-    prepare(b.program, format("fx31"));
-    FAIL() << "accepted";
-  } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "sky.hlsl:1:1: sampler 'sky_cube' is a cube texture; the texture unit has 2D textures only");
-  }
-}
-
 TEST(Validate, NamesTheInstructionThatIsWrong) {
   const auto expect_refused = [](Builder b, const char* what) {
     try {

@@ -23,7 +23,9 @@ class RandomProgram {
     b_.program.uniform_count = 8;
     b_.program.inputs.resize(3);
     b_.program.outputs.resize(2);
-    b_.program.samplers.resize(2);
+    b_.program.samplers.resize(4);  // two flat ones, a cube, a volume
+    b_.program.samplers[2].dimension = SamplerDimension::TexCube;
+    b_.program.samplers[3].dimension = SamplerDimension::Tex3D;
     const int length = pick(4, 28);
     for (int i = 0; i < length; ++i) statement();
     while (!open_.empty()) close();
@@ -86,7 +88,7 @@ class RandomProgram {
     d.mask = static_cast<std::uint8_t>(pick(1, 15));
     Instruction& i = b_.op(op, d, {any_source(), any_source(), any_source()});
     i.saturate = chance(20);
-    i.sampler = static_cast<std::uint8_t>(pick(0, 1));
+    i.sampler = static_cast<std::uint8_t>(pick(0, 3));
   }
 
   void statement() {

@@ -126,18 +126,18 @@ TEST(TextureMips, AreExactBoxesAlsoForOddSizes) {
   const Texture t = Texture::from_rgba8(5, 1, rgba, false, true);
   ASSERT_EQ(t.levels().size(), 3u);
   ASSERT_EQ(t.levels()[1].width, 2);
-  EXPECT_EQ(t.levels()[1].rgba[0], 80);   // (2*0 + 2*100 + 1*200) / 5
-  EXPECT_EQ(t.levels()[1].rgba[4], 160);  // (1*200 + 2*50 + 2*250) / 5
-  EXPECT_EQ(t.levels()[2].rgba[0], 120);
-  EXPECT_EQ(t.levels()[2].rgba[3], 255);
+  EXPECT_EQ(t.levels()[1].codes8[0], 80);   // (2*0 + 2*100 + 1*200) / 5
+  EXPECT_EQ(t.levels()[1].codes8[4], 160);  // (1*200 + 2*50 + 2*250) / 5
+  EXPECT_EQ(t.levels()[2].codes8[0], 120);
+  EXPECT_EQ(t.levels()[2].codes8[3], 255);
 }
 
 TEST(TextureMips, AverageSrgbInLinearLight) {
   std::vector<std::uint8_t> rgba;
   for (int i = 0; i < 4; ++i) rgba.insert(rgba.end(), 4, static_cast<std::uint8_t>(i % 2 == 0 ? 0 : 255));
   const Texture t = Texture::from_rgba8(2, 2, rgba, true, true);
-  EXPECT_EQ(t.levels()[1].rgba[0], 188);  // encode(0.5)
-  EXPECT_EQ(t.levels()[1].rgba[3], 128);  // alpha: 127.5 rounds half up
+  EXPECT_EQ(t.levels()[1].codes8[0], 188);  // encode(0.5)
+  EXPECT_EQ(t.levels()[1].codes8[3], 128);  // alpha: 127.5 rounds half up
 }
 
 TEST(TextureMips, AConstantTextureStaysConstant) {
@@ -146,7 +146,7 @@ TEST(TextureMips, AConstantTextureStaysConstant) {
       const std::vector<std::uint8_t> rgba(7 * 5 * 4, static_cast<std::uint8_t>(code));
       const Texture t = Texture::from_rgba8(7, 5, rgba, srgb, true);
       for (const MipLevel& level : t.levels())
-        for (std::uint8_t byte : level.rgba) ASSERT_EQ(byte, code);
+        for (std::uint8_t byte : level.codes8) ASSERT_EQ(byte, code);
     }
 }
 
