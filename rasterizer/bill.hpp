@@ -15,18 +15,21 @@ struct BillRule {
   enum class Kind : std::uint8_t {
     Off,           // no bill is made
     Everything,    // no rejection: every quad with a covered pixel is shaded
-    Hierarchical,  // Xenos: a 4x4 stamp of a triangle is dropped when none of its covered pixels is nearer than the farthest
+    Hierarchical,  // Xenos: a 4x4 stamp of a triangle is dropped when none of its covered samples is nearer than the farthest
                    // depth stored in the block; otherwise all its covered quads are shaded [inferred: from the 16-sample
-                   // grain in [B3D] article 5; the console stores a rounded maximum, we bill with the exact one]
-    PerPixel,      // RSX: full early depth test, a quad is shaded when at least one of its covered pixels passes
+                   // grain in [B3D] article 5, 4x4 px at one sample and 2x2 px at four; the console stores a rounded
+                   // maximum, we bill with the exact one]
+    PerPixel,      // RSX: full early depth test, a quad is shaded when at least one of its covered samples passes
   };
   Kind kind = Kind::Hierarchical;
-  int block_px = 4;  // Hierarchical: 4, 8 or 16; block whose exact maximum depth (pixels of the viewport only) is compared
+  int block_px = 4;  // Hierarchical: 4, 8 or 16, at 4 samples also 2 (then quads are dropped one by one); block whose exact
+                     // maximum depth (samples of the viewport only) is compared
 };
 
 /// One stamp of one triangle. covered is a set of the stamp's 16 pixels, 4 quads of 4 lanes: bit 4 quad + lane, quads and
 /// lanes both in the order (0,0) (1,0) (0,1) (1,1). A quad is billed iff its nibble is not 0: its set bits are covered
-/// invocations, the others helper invocations. Under PerPixel only pixels that pass the depth test count as covered.
+/// invocations, the others helper invocations. A pixel is covered, and shaded once, when any of its samples is; under
+/// PerPixel only samples that pass the depth test count.
 struct BilledStamp {
   std::uint32_t draw = 0;
   std::uint16_t covered = 0;  // never 0

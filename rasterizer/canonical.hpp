@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "rasterizer/limits.hpp"
+#include "rasterizer/samples.hpp"
 #include "rasterizer/screen_vertex.hpp"
 #include "rasterizer/triangle.hpp"
 
@@ -53,19 +54,28 @@ inline std::int64_t depth_slope(std::int64_t numerator, std::int64_t area2) noex
   return static_cast<std::int64_t>(slope);
 }
 
-/// Edge value of side k (corner k to the next) at (x, y) sub minus the tie bias: >= 0 inside. A sample on an edge belongs to
-/// the triangle when that edge is a top or a left one, so neighbours share every sample out [D3D11-FS 3.4.2].
-inline std::int64_t biased_edge(const SetupTriangle& t, int k, std::int64_t x, std::int64_t y) noexcept {
+/// Edge value of side k (canonical corner k to the next) at (x, y) sub minus the tie bias: >= 0 inside. A sample on an edge
+/// belongs to the triangle when that edge is a top or a left one, so neighbours share every sample out [D3D11-FS 3.4.2].
+inline std::int64_t biased_edge(const std::int32_t* tx, const std::int32_t* ty, int k, std::int64_t x, std::int64_t y) noexcept {
   const int n = k == 2 ? 0 : k + 1;
-  const std::int64_t dx = t.x[n] - t.x[k], dy = t.y[n] - t.y[k];
+  const std::int64_t dx = tx[n] - tx[k], dy = ty[n] - ty[k];
   const bool top_left = dy < 0 || (dy == 0 && dx > 0);
-  return dx * (y - t.y[k]) - dy * (x - t.x[k]) - (top_left ? 0 : 1);
+  return dx * (y - ty[k]) - dy * (x - tx[k]) - (top_left ? 0 : 1);
 }
 
-/// Whether the triangle covers the centre of pixel (px, py).
-inline bool covers_pixel(const SetupTriangle& t, int px, int py) noexcept {
-  const std::int64_t x = std::int64_t{px} * kSubpixels + kHalfPixel, y = std::int64_t{py} * kSubpixels + kHalfPixel;
-  return (biased_edge(t, 0, x, y) | biased_edge(t, 1, x, y) | biased_edge(t, 2, x, y)) >= 0;
+/// Whether the triangle of these canonical corners covers the point (x, y) sub.
+inline bool covers(const std::int32_t* tx, const std::int32_t* ty, std::int64_t x, std::int64_t y) noexcept {
+  return (biased_edge(tx, ty, 0, x, y) | biased_edge(tx, ty, 1, x, y) | biased_edge(tx, ty, 2, x, y)) >= 0;
+}
+
+/// Whether the triangle covers a sample of pixel (px, py).
+template <int kSamples>
+bool covers_pixel(const SetupTriangle& t, int px, int py) noexcept {
+  using Pattern = SamplePattern<kSamples>;
+  bool any = false;
+  for (int s = 0; s < kSamples; ++s)
+    any = any || covers(t.x, t.y, std::int64_t{px} * kSubpixels + Pattern::kX[s], std::int64_t{py} * kSubpixels + Pattern::kY[s]);
+  return any;
 }
 
 /// v0, v1, v2 are in canonical order.
@@ -76,15 +86,16 @@ inline void fill_corners(const ScreenVertex& v0, const ScreenVertex& v1, const S
   out.z_min = depth_from_z4(std::min(std::min(v0.z4, v1.z4), v2.z4));
 }
 
-/// Depth of a pixel, the definition (all arithmetic modulo 2^64, then 2^32; exact for every covered pixel because the true
+/// Depth of a sample, the definition (all arithmetic modulo 2^64, then 2^32; exact for every covered sample because the true
 /// value has 62 bits, then 31):
 ///   P(X, Y) = (z0 << 34) + 2^37 + z_dx (X - x0) + z_dy (Y - y0)          plane plus half a step, at sub position (X, Y)
-///   A = P(centre of the stamp's first pixel) >> 31                       7 fraction bits, floor
+///   A = P(this sample of the stamp's first pixel) >> 31                  7 fraction bits, floor
 ///   g = (256 slope + 2^30) >> 31                                         step per pixel, 7 fraction bits, nearest
 ///   depth = clamp((A + i gx + j gy) >> 7, z_min, z_max)                  i, j = pixel in the 4x4 stamp
-/// Off the exact plane by at most 1/2 + 2^-7 + 6 * 2^-8 + 2^-13 D24. Slope 0 gives the corners' depth at every pixel.
+/// Off the exact plane by at most 1/2 + 2^-7 + 6 * 2^-8 + 2^-13 D24. Slope 0 gives the corners' depth at every sample.
 struct DepthSteps {
   std::uint64_t origin;        // P at the centre of a tile's first pixel
+  std::uint64_t sub_x, sub_y;  // slope
   std::uint64_t px_x, px_y;    // 256 * slope: one pixel
   std::uint32_t lane_x, lane_y;  // gx, gy
   std::int32_t z_min, z_max;
@@ -103,6 +114,8 @@ inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept 
   const auto offset_y = static_cast<std::uint64_t>(std::int64_t{tile.y * kSubpixels + kHalfPixel - t.y[0]});
   steps.origin = (static_cast<std::uint64_t>(t.z4[0]) << (kPlaneBits - kVertexDepthBits)) + (std::uint64_t{1} << (kPlaneBits - 1)) +
                  dx * offset_x + dy * offset_y;
+  steps.sub_x = dx;
+  steps.sub_y = dy;
   steps.px_x = dx << kSubpixelBits;
   steps.px_y = dy << kSubpixelBits;
   constexpr int kShift = kPlaneBits - kStampDepthBits;
@@ -116,9 +129,16 @@ inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept 
 inline std::uint32_t anchor_of(std::uint64_t plane) noexcept {
   return static_cast<std::uint32_t>(static_cast<std::int64_t>(plane) >> (kPlaneBits - kStampDepthBits));
 }
-/// A of the stamp whose first pixel is (x, y) of the tile.
-inline std::uint32_t depth_anchor(const DepthSteps& steps, int x, int y) noexcept {
-  return anchor_of(steps.origin + steps.px_x * static_cast<std::uint64_t>(x) + steps.px_y * static_cast<std::uint64_t>(y));
+/// P at the centre of the tile's pixel (x, y).
+inline std::uint64_t centre_plane(const DepthSteps& steps, int x, int y) noexcept {
+  return steps.origin + steps.px_x * static_cast<std::uint64_t>(x) + steps.px_y * static_cast<std::uint64_t>(y);
+}
+/// P at a sample minus P at its pixel's centre.
+template <int kSamples>
+std::uint64_t sample_plane(const DepthSteps& steps, int sample) noexcept {
+  using Pattern = SamplePattern<kSamples>;
+  return steps.sub_x * static_cast<std::uint64_t>(std::int64_t{Pattern::kX[sample] - kHalfPixel}) +
+         steps.sub_y * static_cast<std::uint64_t>(std::int64_t{Pattern::kY[sample] - kHalfPixel});
 }
 
 }  // namespace aluminate::raster

@@ -11,6 +11,7 @@ namespace {
 constexpr std::int32_t smallest(std::int32_t a, std::int32_t b, std::int32_t c) { return std::min(std::min(a, b), c); }
 constexpr std::int32_t largest(std::int32_t a, std::int32_t b, std::int32_t c) { return std::max(std::max(a, b), c); }
 
+template <int kSamples>
 class ChunkBuilder {
  public:
   ChunkBuilder(const ChunkInput& input, std::uint32_t chunk_number, ChunkScratch& scratch, Chunk& chunk)
@@ -27,6 +28,11 @@ class ChunkBuilder {
 
   void add_draw_range(std::uint32_t draw_number, std::uint32_t begin, std::uint32_t end) {
     const Draw& draw = input_.draws[draw_number];
+    if (draw.outside) {
+      counters_.submitted += end - begin;
+      counters_.outside += end - begin;
+      return;
+    }
     draw_ = draw_number;
     cull_ = draw.cull;
     const std::uint32_t* index = input_.indices.data() + draw.first_index + 3 * std::size_t{begin - input_.draw_start[draw_number]};
@@ -96,9 +102,8 @@ class ChunkBuilder {
     }
     const std::int32_t left = smallest(a.x, b.x, c.x), right = largest(a.x, b.x, c.x);
     const std::int32_t top = smallest(a.y, b.y, c.y), bottom = largest(a.y, b.y, c.y);
-    // Pixels whose centres lie in the bounds: ceil((min - 128) / 256) .. floor((max - 128) / 256), shifts floor.
-    std::int32_t x0 = (left + kHalfPixel - 1) >> kSubpixelBits, x1 = (right - kHalfPixel) >> kSubpixelBits;
-    std::int32_t y0 = (top + kHalfPixel - 1) >> kSubpixelBits, y1 = (bottom - kHalfPixel) >> kSubpixelBits;
+    std::int32_t x0 = first_pixel<kSamples>(left), x1 = last_pixel<kSamples>(right);
+    std::int32_t y0 = first_pixel<kSamples>(top), y1 = last_pixel<kSamples>(bottom);
     if (x0 > x1 || y0 > y1) {
       if (skip_small_) {
         ++counters_.small;
@@ -117,8 +122,8 @@ class ChunkBuilder {
     const ScreenVertex* corner[3] = {&a, &b, &c};
     SetupTriangle& record = scratch_.records[scratch_.record_count];
     fill_corners(*corner[order.corner[0]], *corner[order.corner[1]], *corner[order.corner[2]], record);
-    // One sample in the bounds: often the triangle misses it. Cheaper to know now than to carry it to a tile.
-    if (x0 == x1 && y0 == y1 && skip_small_ && !covers_pixel(record, x0, y0)) {
+    // One pixel in the bounds: often the triangle misses its samples. Cheaper to know now than to carry it to a tile.
+    if (x0 == x1 && y0 == y1 && skip_small_ && !covers_pixel<kSamples>(record, x0, y0)) {
       ++counters_.small;
       return;
     }
@@ -129,13 +134,15 @@ class ChunkBuilder {
         static_cast<std::uint32_t>(y0) / kTilePx, static_cast<std::uint32_t>(y1) / kTilePx);
   }
 
-  void enter(std::uint32_t number, std::uint32_t tile) {
+  void enter(std::uint32_t number, std::uint32_t z_min, std::uint32_t tile) {
     std::uint32_t& slot = scratch_.tile_count[tile];  // run number + 1
     if (slot == 0) {
-      chunk_.runs.push_back({tile, 0, 0});
+      chunk_.runs.push_back({.tile = tile});
       slot = static_cast<std::uint32_t>(chunk_.runs.size());
     }
-    ++chunk_.runs[slot - 1].count;
+    ChunkRun& run = chunk_.runs[slot - 1];
+    ++run.count;
+    run.z_min = std::min(run.z_min, z_min);
     scratch_.entries.push_back({number, tile});
   }
 
@@ -143,7 +150,7 @@ class ChunkBuilder {
     ++counters_.binned;
     if (tx0 == tx1 || ty0 == ty1) {
       for (std::uint32_t ty = ty0; ty <= ty1; ++ty)
-        for (std::uint32_t tx = tx0; tx <= tx1; ++tx) enter(number, ty * tiles_x_ + tx);
+        for (std::uint32_t tx = tx0; tx <= tx1; ++tx) enter(number, t.z_min, ty * tiles_x_ + tx);
       return;
     }
     // Edge values at the tile corner where each edge is largest: negative = the tile lies outside.
@@ -151,8 +158,9 @@ class ChunkBuilder {
     for (int k = 0; k < 3; ++k) {
       const int n = k == 2 ? 0 : k + 1;
       const std::int64_t dx = t.x[n] - t.x[k], dy = t.y[n] - t.y[k];
-      const std::int64_t x = std::int64_t{tx0} * kTilePx * kSubpixels + (dy < 0 ? kTilePx * kSubpixels - kHalfPixel : kHalfPixel);
-      const std::int64_t y = std::int64_t{ty0} * kTilePx * kSubpixels + (dx > 0 ? kTilePx * kSubpixels - kHalfPixel : kHalfPixel);
+      constexpr std::int64_t kFirst = SamplePattern<kSamples>::kLow, kLast = (kTilePx - 1) * kSubpixels + SamplePattern<kSamples>::kHigh;
+      const std::int64_t x = std::int64_t{tx0} * kTilePx * kSubpixels + (dy < 0 ? kLast : kFirst);
+      const std::int64_t y = std::int64_t{ty0} * kTilePx * kSubpixels + (dx > 0 ? kLast : kFirst);
       row[k] = dx * (y - t.y[k]) - dy * (x - t.x[k]);
       step_x[k] = -dy * kTilePx * kSubpixels;
       step_y[k] = dx * kTilePx * kSubpixels;
@@ -160,7 +168,7 @@ class ChunkBuilder {
     for (std::uint32_t ty = ty0; ty <= ty1; ++ty) {
       std::int64_t edge[3] = {row[0], row[1], row[2]};
       for (std::uint32_t tx = tx0; tx <= tx1; ++tx) {
-        if ((edge[0] | edge[1] | edge[2]) >= 0) enter(number, ty * tiles_x_ + tx);
+        if ((edge[0] | edge[1] | edge[2]) >= 0) enter(number, t.z_min, ty * tiles_x_ + tx);
         for (int k = 0; k < 3; ++k) edge[k] += step_x[k];
       }
       for (int k = 0; k < 3; ++k) row[k] += step_y[k];
@@ -218,6 +226,20 @@ class ChunkBuilder {
   CullMode cull_ = CullMode::None;
 };
 
+template <int kSamples>
+void build(const ChunkInput& input, std::uint32_t chunk_number, ChunkScratch& scratch, Chunk& chunk) {
+  ChunkBuilder<kSamples> builder(input, chunk_number, scratch, chunk);
+  const std::uint32_t begin = chunk_number * kChunkTriangles;
+  const std::uint32_t end = std::min(begin + kChunkTriangles, input.draw_start.back());
+  const auto first = std::upper_bound(input.draw_start.begin(), input.draw_start.end(), begin) - 1;
+  for (auto draw = static_cast<std::uint32_t>(first - input.draw_start.begin()); draw < input.draws.size(); ++draw) {
+    const std::uint32_t from = std::max(begin, input.draw_start[draw]), to = std::min(end, input.draw_start[draw + 1]);
+    if (from >= end) break;
+    if (from < to) builder.add_draw_range(draw, from, to);
+  }
+  builder.finish();
+}
+
 }  // namespace
 
 void set_up_chunk(const ChunkInput& input, std::uint32_t chunk_number, ChunkScratch& scratch, Chunk& chunk) {
@@ -228,17 +250,8 @@ void set_up_chunk(const ChunkInput& input, std::uint32_t chunk_number, ChunkScra
   scratch.entries.clear();
   const std::size_t tiles = static_cast<std::size_t>(input.viewport.tile_count());
   if (scratch.tile_count.size() < tiles) scratch.tile_count.resize(tiles, 0);
-
-  ChunkBuilder builder(input, chunk_number, scratch, chunk);
-  const std::uint32_t begin = chunk_number * kChunkTriangles;
-  const std::uint32_t end = std::min(begin + kChunkTriangles, input.draw_start.back());
-  const auto first = std::upper_bound(input.draw_start.begin(), input.draw_start.end(), begin) - 1;
-  for (auto draw = static_cast<std::uint32_t>(first - input.draw_start.begin()); draw < input.draws.size(); ++draw) {
-    const std::uint32_t from = std::max(begin, input.draw_start[draw]), to = std::min(end, input.draw_start[draw + 1]);
-    if (from >= end) break;
-    if (from < to) builder.add_draw_range(draw, from, to);
-  }
-  builder.finish();
+  if (input.samples == 1) build<1>(input, chunk_number, scratch, chunk);
+  else build<4>(input, chunk_number, scratch, chunk);
 }
 
 }  // namespace aluminate::raster

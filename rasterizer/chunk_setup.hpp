@@ -26,6 +26,7 @@ struct ChunkInput {
   const ClipPositions& positions;
   std::span<const ScreenVertex> vertices;
   SkipSet skips;
+  int samples;
 };
 
 /// A fragment of a cut triangle, corners in fan order.
@@ -37,6 +38,7 @@ struct ClippedTriangle {
 
 struct ChunkRun {
   std::uint32_t tile = 0, begin = 0, count = 0;
+  std::uint32_t z_min = kDepthMax;         // the least of the records'
 };
 
 struct Chunk {

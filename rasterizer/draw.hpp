@@ -31,6 +31,8 @@ struct Draw {
   CullMode cull = CullMode::Back;
   DrawClass draw_class = DrawClass::Opaque;
   bool depth_write = true;           // Opaque draws must write depth
+  bool outside = false;              // the caller has proved that nothing of it is in the view volume: its positions are not
+                                     // read, its triangles only counted
   bool execute_billed = false;       // InOrder: the shader also runs quads the console shades in vain (its cost depends
                                      // on data, so that the bill needs the execution); such quads come with visible = 0
 };
@@ -43,6 +45,7 @@ struct FrameInput {
   std::span<const std::uint32_t> indices;
   std::span<const Draw> draws;
   SkipSet skips;                     // defaults to all on
+  int samples = 1;                   // per pixel: 1 or 4 (samples.hpp)
 };
 
 /// Position in submission order over all draws, or a fragment of a clipped triangle (limits.hpp). 0xffffffff = none.

@@ -43,6 +43,7 @@ std::vector<std::uint32_t> check_draws(const FrameInput& input) {
   if (viewport.width < 1 || viewport.height < 1 || viewport.width > kMaxViewportPx || viewport.height > kMaxViewportPx)
     throw UserError(fmt::format("image size must be 1 to {} pixels each way, found {}x{}", kMaxViewportPx, viewport.width,
                                 viewport.height));
+  ALU_CHECK(input.samples == 1 || input.samples == 4, "{} samples a pixel", input.samples);
   const std::size_t vertices = input.positions.x.size();
   ALU_CHECK(input.positions.y.size() == vertices && input.positions.z.size() == vertices && input.positions.w.size() == vertices,
             "position arrays differ in size: {} {} {} {}", vertices, input.positions.y.size(), input.positions.z.size(),
@@ -72,6 +73,7 @@ std::vector<std::uint32_t> check_draws(const FrameInput& input) {
 void Frame::set_up(const FrameInput& input, const ParallelFor& parallel) {
   draw_start_ = check_draws(input);
   viewport_ = input.viewport;
+  samples_ = input.samples;
   draws_.assign(input.draws.begin(), input.draws.end());
   positions_ = input.positions;
   indices_ = input.indices;
@@ -95,7 +97,7 @@ void Frame::set_up(const FrameInput& input, const ParallelFor& parallel) {
   if (storage.chunks.size() < storage.chunk_count) storage.chunks.resize(storage.chunk_count);
   storage.scratch.resize(static_cast<std::size_t>(std::max(parallel.workers, 1)));
   const ChunkInput chunk_input{viewport_, map, draws_, draw_start_, indices_, positions_,
-                               std::span(storage.vertices.get(), vertex_count), input.skips};
+                               std::span(storage.vertices.get(), vertex_count), input.skips, samples_};
   parallel.run(static_cast<std::int64_t>(storage.chunk_count), [&](std::int64_t chunk, int worker) {
     set_up_chunk(chunk_input, static_cast<std::uint32_t>(chunk), storage.scratch[static_cast<std::size_t>(worker)],
                  storage.chunks[static_cast<std::size_t>(chunk)]);
@@ -105,7 +107,7 @@ void Frame::set_up(const FrameInput& input, const ParallelFor& parallel) {
   tile_order_.clear();
   std::vector<std::uint32_t> cost(static_cast<std::size_t>(viewport_.tile_count()));
   for (std::uint32_t tile = 0; tile < cost.size(); ++tile) {
-    for (const RecordRun& run : tile_runs(static_cast<int>(tile))) cost[tile] += static_cast<std::uint32_t>(run.size());
+    for (const RecordRun& run : tile_runs(static_cast<int>(tile))) cost[tile] += static_cast<std::uint32_t>(run.records.size());
     if (cost[tile] != 0 || !input.skips.on(Skip::EmptyTiles)) tile_order_.push_back(tile);
   }
   std::stable_sort(tile_order_.begin(), tile_order_.end(),
@@ -125,7 +127,7 @@ void Frame::sort_runs() {
   std::vector<std::uint32_t> next(run_start_.begin(), run_start_.end() - 1);
   for (const Chunk& chunk : chunks)
     for (const ChunkRun& run : chunk.runs)
-      runs_[next[run.tile]++] = RecordRun(chunk.records.get() + run.begin, run.count);
+      runs_[next[run.tile]++] = RecordRun{{chunk.records.get() + run.begin, run.count}, run.z_min};
 }
 
 std::span<const RecordRun> Frame::tile_runs(int tile) const {

@@ -44,8 +44,11 @@ struct TriangleInfo {
   std::array<double, 3> b1{}, b2{};            // submitted triangle's barycentrics 1 and 2 at the canonical corners
 };
 
-/// A run of records of one tile, contiguous in memory.
-using RecordRun = std::span<const SetupTriangle>;
+/// A run of records of one tile, contiguous in memory, never empty.
+struct RecordRun {
+  std::span<const SetupTriangle> records;
+  std::uint32_t z_min = 0;                     // the least of their z_min: nothing in the run is nearer
+};
 
 class Frame {
  public:
@@ -59,6 +62,7 @@ class Frame {
   void set_up(const FrameInput& input, const ParallelFor& parallel);
 
   const Viewport& viewport() const { return viewport_; }
+  int samples() const { return samples_; }     // per pixel, 1 or 4
   std::span<const Draw> draws() const { return draws_; }
   const SetupCounters& counters() const { return counters_; }
 
@@ -78,6 +82,7 @@ class Frame {
   std::uint32_t sequence_of(TriangleId id) const;
 
   Viewport viewport_;
+  int samples_ = 1;
   std::vector<Draw> draws_;
   std::vector<std::uint32_t> draw_start_;  // submission position of each draw's first triangle, plus the total
   ClipPositions positions_;

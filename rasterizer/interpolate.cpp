@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "platform/host/error.hpp"
+#include "rasterizer/canonical.hpp"
+#include "rasterizer/samples.hpp"
 
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -23,6 +25,11 @@ struct QuadTerms {
   double least;                           // smallest s
 };
 
+/// Where its lanes are evaluated, in pixels from the centre of lane 0: multiples of 1/256.
+struct QuadPlaces {
+  double x[4] = {0, 1, 0, 1}, y[4] = {0, 0, 1, 1};
+};
+
 constexpr double kLeastShare = 0x1p-20;
 
 }  // namespace aluminate::raster
@@ -39,13 +46,12 @@ using Tag = hn::CappedTag<double, 4>;  // one quad at most: SSE4 takes two steps
 #endif
 
 /// Canonical barycentrics 1 and 2 of one quad's four lanes.
-void QuadBarycentrics(const QuadTerms& t, double* l1, double* l2) {
+void QuadBarycentrics(const QuadTerms& t, const QuadPlaces& places, double* l1, double* l2) {
   const Tag d;
-  alignas(64) static constexpr double kX[4] = {0, 1, 0, 1}, kY[4] = {0, 0, 1, 1};
   const auto magic = hn::Set(d, 0x1.8p21), limit = hn::Set(d, kBarycentricLimit), lowest = hn::Set(d, -kBarycentricLimit);
   for (std::size_t i = 0; i < 4; i += hn::MaxLanes(d)) {
-    const auto x = hn::Load(d, kX + i), y = hn::Load(d, kY + i);
-    // Products with 0 and 1 and sums below 2^49: exact.
+    const auto x = hn::LoadU(d, places.x + i), y = hn::LoadU(d, places.y + i);
+    // Steps are multiples of 256, so products are integers and sums stay below 2^49: exact.
     const auto e1 = hn::Add(hn::Set(d, t.e1), hn::Add(hn::Mul(x, hn::Set(d, t.e1_x)), hn::Mul(y, hn::Set(d, t.e1_y))));
     const auto e2 = hn::Add(hn::Set(d, t.e2), hn::Add(hn::Mul(x, hn::Set(d, t.e2_x)), hn::Mul(y, hn::Set(d, t.e2_y))));
     const auto e0 = hn::Sub(hn::Sub(hn::Set(d, t.area2), e1), e2);
@@ -58,8 +64,10 @@ void QuadBarycentrics(const QuadTerms& t, double* l1, double* l2) {
   }
 }
 
-void BatchBarycentrics(const QuadTerms* terms, std::size_t quads, double* l1, double* l2) {
-  for (std::size_t q = 0; q < quads; ++q) QuadBarycentrics(terms[q], l1 + 4 * q, l2 + 4 * q);
+/// places: one per quad, or null for pixel centres.
+void BatchBarycentrics(const QuadTerms* terms, const QuadPlaces* places, std::size_t quads, double* l1, double* l2) {
+  const QuadPlaces centres;
+  for (std::size_t q = 0; q < quads; ++q) QuadBarycentrics(terms[q], places ? places[q] : centres, l1 + 4 * q, l2 + 4 * q);
 }
 
 void Attribute(const double* b1, const double* b2, const double* a0, const double* d1, const double* d2, double* out) {
@@ -114,6 +122,38 @@ std::int64_t edge(const TriangleInfo& t, std::size_t a, std::size_t b, std::int6
   return std::int64_t{t.x[b] - t.x[a]} * (y - t.y[a]) - std::int64_t{t.y[b] - t.y[a]} * (x - t.x[a]);
 }
 
+/// interpolate.hpp: the centre, or the first covered sample where only samples are covered. (x, y): centre of lane 0.
+QuadPlaces centroid_places(const TriangleInfo& t, std::int64_t x, std::int64_t y) {
+  using Pattern = SamplePattern<4>;
+  std::int64_t edge[3], dx[3], dy[3], lowest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int n = k == 2 ? 0 : k + 1;
+    edge[k] = biased_edge(t.x.data(), t.y.data(), k, x, y);
+    dx[k] = t.x[static_cast<std::size_t>(n)] - t.x[static_cast<std::size_t>(k)];
+    dy[k] = t.y[static_cast<std::size_t>(n)] - t.y[static_cast<std::size_t>(k)];
+    lowest |= edge[k] + kSubpixels * (std::min<std::int64_t>(dx[k], 0) + std::min<std::int64_t>(-dy[k], 0));
+  }
+  QuadPlaces places;
+  if (lowest >= 0) return places;  // all four centres are covered
+  const auto covered = [&](std::int64_t right, std::int64_t down) {
+    std::int64_t signs = 0;
+    for (int k = 0; k < 3; ++k) signs |= edge[k] + dx[k] * down - dy[k] * right;
+    return signs >= 0;
+  };
+  for (int lane = 0; lane < 4; ++lane) {
+    const int right = (lane & 1) * kSubpixels, down = (lane >> 1) * kSubpixels;
+    if (covered(right, down)) continue;
+    for (int s = 0; s < 4; ++s) {
+      const int sample_x = right + Pattern::kX[s] - kHalfPixel, sample_y = down + Pattern::kY[s] - kHalfPixel;
+      if (!covered(sample_x, sample_y)) continue;
+      places.x[lane] = sample_x / double{kSubpixels};
+      places.y[lane] = sample_y / double{kSubpixels};
+      break;
+    }
+  }
+  return places;
+}
+
 }  // namespace
 
 void interpolate_barycentrics(const Frame& frame, std::span<const QuadPosition> quads, BarycentricRows& rows,
@@ -121,6 +161,8 @@ void interpolate_barycentrics(const Frame& frame, std::span<const QuadPosition> 
   ALU_CHECK(quads.size() <= kBatchQuads && (info.empty() || info.size() >= quads.size()), "{} quads, {} places for triangles",
             quads.size(), info.size());
   QuadTerms terms[kBatchQuads];
+  QuadPlaces places[kBatchQuads];
+  const bool centroid = frame.samples() > 1;
   std::array<std::uint8_t, 3> corner[kBatchQuads];
   TriangleInfo triangle;
   TriangleId last = kNoTriangle;
@@ -139,6 +181,7 @@ void interpolate_barycentrics(const Frame& frame, std::span<const QuadPosition> 
     corner[i] = triangle.corner;
     any_clipped = any_clipped || triangle.clipped;
     const std::int64_t x = std::int64_t{quad.x} * kSubpixels + kHalfPixel, y = std::int64_t{quad.y} * kSubpixels + kHalfPixel;
+    if (centroid) places[i] = centroid_places(triangle, x, y);
     QuadTerms& t = terms[i];
     t.e1 = static_cast<double>(edge(triangle, 2, 0, x, y));
     t.e1_x = static_cast<double>(std::int64_t{triangle.y[2] - triangle.y[0]} * kSubpixels);
@@ -151,7 +194,7 @@ void interpolate_barycentrics(const Frame& frame, std::span<const QuadPosition> 
     t.least = p.least;
   }
   alignas(64) double l1[kBatchLanes], l2[kBatchLanes];
-  HWY_DYNAMIC_DISPATCH(BatchBarycentrics)(terms, quads.size(), l1, l2);
+  HWY_DYNAMIC_DISPATCH(BatchBarycentrics)(terms, centroid ? places : nullptr, quads.size(), l1, l2);
 
   // From canonical to submitted corners. L0 = 1 - L1 - L2 is exact: multiples of 2^-31 below 2^10.
   for (std::size_t i = 0; i < quads.size(); ++i) {

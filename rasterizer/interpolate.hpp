@@ -16,8 +16,8 @@ namespace aluminate::raster {
 /// VM's 2^20 for attribute ranges up to 2^11. Reached only in helper lanes of triangles below 1/256 px or near the horizon.
 inline constexpr double kBarycentricLimit = 256;
 
-/// Barycentrics of the submitted triangle at the pixel centres of up to 16 quads; b0 = 1 - b1 - b2 exactly. 1/w is held
-/// above 0 where a helper lane lies beyond the horizon.
+/// Barycentrics of the submitted triangle at the lanes of up to 16 quads; b0 = 1 - b1 - b2 exactly. 1/w is held above 0 where
+/// a helper lane lies beyond the horizon.
 struct alignas(64) BarycentricRows {
   std::array<double, kBatchLanes> b1{}, b2{};
 };
@@ -31,8 +31,13 @@ struct QuadPosition {
 /// Fills 4 quads.size() lanes (<= 64); `info`, when not empty, receives frame.triangle() of each quad, so that the caller
 /// can find vertices and facing. Lanes of quads beyond the list are left alone.
 ///
+/// A lane is evaluated at its pixel's centre, except with four samples where the triangle covers a sample but not the centre:
+/// then at the covered sample nearest the centre, so that nothing visible is extrapolated. All four are equally near: the one
+/// with the lowest number. It depends on the triangle alone, not on what hides it. Differences between lanes of a quad, and
+/// with them texture detail, then see lanes up to half a pixel out of their grid along edges, as consoles did.
+///
 /// Definition, per lane, binary64 with one rounding per operation, corners in canonical order (triangle.hpp):
-///   E_i exact integer edge value opposite corner i at the pixel centre; q_i = min(w) / w_i; n_i = E_i q_i;
+///   E_i exact integer edge value opposite corner i at that point; q_i = min(w) / w_i; n_i = E_i q_i;
 ///   s = max((n_0 + n_1) + n_2, 2^-20 (E_0 + E_1 + E_2) q_min);  r = 1 / s;  L_i = grid(clamp(n_i r)), i = 1, 2;
 ///   grid rounds to a multiple of 2^-31, to even; L_0 = 1 - L_1 - L_2; b_k = L of the canonical place of corner k.
 ///   Clipped fragments: b_k = grid sum of L_i b_k(corner i).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "rasterizer/canonical.hpp"
 #include "rasterizer/clip.hpp"
@@ -22,12 +23,14 @@ class Reference {
       : input_(input), bill_(bill), shade_(shade), map_(input.viewport) {
     image_.width = input.viewport.width;
     image_.height = input.viewport.height;
+    image_.samples = input.samples;
     const auto pixels = static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.height);
-    image_.visibility.assign(pixels, kNoTriangle);
-    image_.depth.assign(pixels, kDepthMax);
+    const auto samples = pixels * static_cast<std::size_t>(input.samples);
+    image_.visibility.assign(samples, kNoTriangle);
+    image_.depth.assign(samples, kDepthMax);
+    image_.hits.assign(samples, 0);
     image_.covered.assign(pixels, 0);
     image_.helpers.assign(pixels, 0);
-    image_.hits.assign(pixels, 0);
     image_.billed_per_draw.assign(input.draws.size(), 0);
   }
 
@@ -88,8 +91,17 @@ class Reference {
     rasterize(v, area < 0 ? -area : area, sequence);
   }
 
-  static bool covers(const std::array<ScreenVertex, 3>& v, int x, int y) {
-    const Wide px = Wide{x} * kSubpixels + kHalfPixel, py = Wide{y} * kSubpixels + kHalfPixel;
+  /// Where a pixel is sampled, from its top left corner, in sixteenths of a pixel from the centre as the specification has it.
+  struct Place {
+    int x, y;
+  };
+  Place sample_place(int sample) const {
+    static constexpr Place kFour[] = {{-2, -6}, {6, -2}, {-6, 2}, {2, 6}};
+    return input_.samples == 1 ? Place{kHalfPixel, kHalfPixel} : Place{kHalfPixel + 16 * kFour[sample].x, kHalfPixel + 16 * kFour[sample].y};
+  }
+
+  static bool covers(const std::array<ScreenVertex, 3>& v, int x, int y, Place place) {
+    const Wide px = Wide{x} * kSubpixels + place.x, py = Wide{y} * kSubpixels + place.y;
     for (std::size_t k = 0; k < 3; ++k) {
       const ScreenVertex &from = v[k], &to = v[(k + 1) % 3];
       const Wide dx = to.x - from.x, dy = to.y - from.y;
@@ -101,12 +113,12 @@ class Reference {
   }
 
   /// The definition in canonical.hpp, in integers wide enough not to wrap before the last step.
-  static std::uint32_t depth_at(const std::array<ScreenVertex, 3>& v, Wide area, int x, int y) {
+  static std::uint32_t depth_at(const std::array<ScreenVertex, 3>& v, Wide area, int x, int y, Place place) {
     const Wide dz1 = v[1].z4 - v[0].z4, dz2 = v[2].z4 - v[0].z4;
     const auto slope = [area](Wide numerator) { return Wide{depth_slope(static_cast<std::int64_t>(numerator), static_cast<std::int64_t>(area))}; };
     const Wide slope_x = slope(dz1 * (v[2].y - v[0].y) - dz2 * (v[1].y - v[0].y));
     const Wide slope_y = slope(dz2 * (v[1].x - v[0].x) - dz1 * (v[2].x - v[0].x));
-    const Wide stamp_x_sub = Wide{x - x % kStampPx} * kSubpixels + kHalfPixel, stamp_y_sub = Wide{y - y % kStampPx} * kSubpixels + kHalfPixel;
+    const Wide stamp_x_sub = Wide{x - x % kStampPx} * kSubpixels + place.x, stamp_y_sub = Wide{y - y % kStampPx} * kSubpixels + place.y;
     const Wide plane = Wide{v[0].z4} * (Wide{1} << 34) + (Wide{1} << 37) + slope_x * (stamp_x_sub - v[0].x) + slope_y * (stamp_y_sub - v[0].y);
     // Slopes of slivers may overflow 64 bits on the way; the definition is modulo 2^64, and so are the steps.
     const auto shifted = [](Wide value) { return Wide{static_cast<std::int64_t>(static_cast<std::uint64_t>(static_cast<UnsignedWide>(value)))} >> 31; };
@@ -119,6 +131,7 @@ class Reference {
     return static_cast<std::uint32_t>(std::clamp(z, low, high));
   }
 
+  std::size_t at(int x, int y, int sample) const { return at(x, y) * static_cast<std::size_t>(image_.samples) + static_cast<std::size_t>(sample); }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(x); }
 
   void rasterize(const std::array<ScreenVertex, 3>& v, Wide area, std::uint32_t sequence) {
@@ -139,7 +152,7 @@ class Reference {
   }
 
   struct Fragment {
-    int x, y;
+    int x, y, sample;
     std::uint32_t depth;
     bool passes;
   };
@@ -148,43 +161,61 @@ class Reference {
     std::vector<Fragment> fragments;
     for (int y = stamp_y0; y < std::min(stamp_y0 + 4, image_.height); ++y)
       for (int x = stamp_x0; x < std::min(stamp_x0 + 4, image_.width); ++x)
-        if (covers(v, x, y)) {
-          const std::uint32_t z = depth_at(v, area, x, y);
-          fragments.push_back({x, y, z, z < image_.depth[at(x, y)]});
-          ++image_.hits[at(x, y)];
-        }
+        for (int sample = 0; sample < image_.samples; ++sample)
+          if (const Place place = sample_place(sample); covers(v, x, y, place)) {
+            const std::uint32_t z = depth_at(v, area, x, y, place);
+            fragments.push_back({x, y, sample, z, z < image_.depth[at(x, y, sample)]});
+            ++image_.hits[at(x, y, sample)];
+          }
     if (fragments.empty()) return;
     bill(fragments, stamp_x0, stamp_y0);
+    // A pixel's fragments lie side by side: its shader runs once for those that pass.
+    for (auto first = fragments.begin(); first != fragments.end();) {
+      const auto end = std::find_if(first, fragments.end(), [&](const Fragment& f) { return f.x != first->x || f.y != first->y; });
+      pixel(std::span(first, end), sequence);
+      first = end;
+    }
+  }
+
+  void pixel(std::span<const Fragment> fragments, std::uint32_t sequence) {
+    const int x = fragments.front().x, y = fragments.front().y;
+    unsigned passing = 0;
+    for (const Fragment& f : fragments) passing |= static_cast<unsigned>(f.passes) << f.sample;
+    if (passing == 0) return;
     const Draw& draw = input_.draws[draw_];
+    const bool opaque = draw.draw_class == DrawClass::Opaque;
+    if (!opaque && shade_ && !shade_(draw_, sequence, x, y, passing)) return;
     for (const Fragment& f : fragments) {
       if (!f.passes) continue;
-      if (draw.draw_class == DrawClass::Opaque) {
-        image_.visibility[at(f.x, f.y)] = sequence;
-        image_.depth[at(f.x, f.y)] = f.depth;
-      } else if ((!shade_ || shade_(draw_, sequence, f.x, f.y)) && draw.depth_write) {
-        image_.depth[at(f.x, f.y)] = f.depth;
-      }
+      if (opaque) image_.visibility[at(x, y, f.sample)] = sequence;
+      if (draw.depth_write) image_.depth[at(x, y, f.sample)] = f.depth;
     }
+  }
+
+  /// Whether the console's hierarchical depth drops these fragments: all those of a triangle in one square.
+  bool dropped(std::span<const Fragment> fragments) const {
+    const int bx = fragments.front().x / bill_.block_px * bill_.block_px, by = fragments.front().y / bill_.block_px * bill_.block_px;
+    std::uint32_t farthest = 0, nearest = kDepthMax;
+    for (int y = by; y < std::min(by + bill_.block_px, image_.height); ++y)
+      for (int x = bx; x < std::min(bx + bill_.block_px, image_.width); ++x)
+        for (int sample = 0; sample < image_.samples; ++sample) farthest = std::max(farthest, image_.depth[at(x, y, sample)]);
+    for (const Fragment& f : fragments) nearest = std::min(nearest, f.depth);
+    return nearest >= farthest;
   }
 
   void bill(const std::vector<Fragment>& fragments, int stamp_x0, int stamp_y0) {
     using Kind = BillRule::Kind;
     if (bill_.kind == Kind::Off) return;
-    if (bill_.kind == Kind::Hierarchical) {
-      const int bx = stamp_x0 - stamp_x0 % bill_.block_px, by = stamp_y0 - stamp_y0 % bill_.block_px;
-      std::uint32_t farthest = 0, nearest = kDepthMax;
-      for (int y = by; y < std::min(by + bill_.block_px, image_.height); ++y)
-        for (int x = bx; x < std::min(bx + bill_.block_px, image_.width); ++x) farthest = std::max(farthest, image_.depth[at(x, y)]);
-      for (const Fragment& f : fragments) nearest = std::min(nearest, f.depth);
-      if (nearest >= farthest) return;
-    }
+    const bool hierarchical = bill_.kind == Kind::Hierarchical;
+    if (hierarchical && bill_.block_px >= kStampPx && dropped(fragments)) return;
     for (int quad = 0; quad < 4; ++quad) {
       const int qx = stamp_x0 + (quad & 1) * 2, qy = stamp_y0 + (quad >> 1) * 2;
-      std::array<bool, 4> counted{};
+      std::vector<Fragment> here;
       for (const Fragment& f : fragments)
-        if (f.x / 2 == qx / 2 && f.y / 2 == qy / 2 && (bill_.kind != Kind::PerPixel || f.passes))
-          counted[static_cast<std::size_t>((f.y - qy) * 2 + (f.x - qx))] = true;
-      if (std::none_of(counted.begin(), counted.end(), [](bool b) { return b; })) continue;
+        if (f.x / 2 == qx / 2 && f.y / 2 == qy / 2 && (bill_.kind != Kind::PerPixel || f.passes)) here.push_back(f);
+      if (here.empty() || (hierarchical && bill_.block_px < kStampPx && dropped(here))) continue;
+      std::array<bool, 4> counted{};
+      for (const Fragment& f : here) counted[static_cast<std::size_t>((f.y - qy) * 2 + (f.x - qx))] = true;
       image_.billed_per_draw[draw_] += 4;
       for (int lane = 0; lane < 4; ++lane) {
         const int x = qx + (lane & 1), y = qy + (lane >> 1);

@@ -12,16 +12,17 @@
 
 namespace aluminate::raster {
 
-/// One shader invocation of an InOrder draw at a visible pixel: returns whether the pixel survives.
-using ReferenceShader = std::function<bool(std::uint32_t draw, std::uint32_t sequence, int x, int y)>;
+/// One shader invocation of an InOrder draw at a pixel with visible samples (bit per sample): returns whether it survives.
+using ReferenceShader = std::function<bool(std::uint32_t draw, std::uint32_t sequence, int x, int y, unsigned samples)>;
 
 struct ReferenceImage {
-  int width = 0, height = 0;                // all images row-major
-  std::vector<std::uint32_t> visibility;    // submission position of the visible opaque triangle, kNoTriangle = none
-  std::vector<std::uint32_t> depth;         // D24 at the end of the frame
-  std::vector<std::uint32_t> covered;       // billed invocations on covered pixels
-  std::vector<std::uint32_t> helpers;       // billed helper invocations
-  std::vector<std::uint32_t> hits;          // covered fragments before any depth test
+  int width = 0, height = 0;                // all images row-major, a pixel's samples side by side
+  int samples = 1;
+  std::vector<std::uint32_t> visibility;    // by sample: submission position of the visible opaque triangle, or kNoTriangle
+  std::vector<std::uint32_t> depth;         // by sample: D24 at the end of the frame
+  std::vector<std::uint32_t> hits;          // by sample: triangles that cover it, before any depth test
+  std::vector<std::uint32_t> covered;       // by pixel: billed invocations on covered pixels
+  std::vector<std::uint32_t> helpers;       // by pixel: billed helper invocations
   std::vector<std::uint64_t> billed_per_draw;  // covered + helper invocations
 };
 

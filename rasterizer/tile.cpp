@@ -30,28 +30,39 @@ struct TileRasterizer::State {
   QuadBatch batch;
   std::array<std::uint16_t, kBatchQuads> batch_stamp{};
   std::array<std::uint8_t, kBatchQuads> batch_quad{};
-  std::array<std::uint16_t, kStampsPerTile> pending{};
+  std::array<std::uint16_t, kStampsPerTile * kMaxSamples> pending{};  // lanes by stamp and sample, as in TileMemory
   QuadShader* shader = nullptr;
 
   KernelOptions kernel_options(bool billing) const {
     KernelOptions kernel;
     kernel.bill = options.bill;
+    kernel.samples = frame.samples();
     if (!billing) kernel.bill.kind = BillRule::Kind::Off;
     // A bill without rejection needs the coverage of hidden triangles.
     const bool may_hide = kernel.bill.kind != BillRule::Kind::Everything;
+    kernel.occluded = may_hide && options.skips.on(Skip::Occluded);
     kernel.tile_hiz = may_hide && options.skips.on(Skip::TileHiz);
     kernel.block_hiz = may_hide && options.skips.on(Skip::BlockHiz);
     return kernel;
   }
 
+  /// True when the rest of the current run, from this record, lies behind everything in the tile.
+  bool skip_run(const KernelOptions& kernel, std::size_t from) {
+    const RecordRun& r = runs[run];
+    if (!kernel.occluded || !tile_hides(tile, r.z_min, kernel.samples)) return false;
+    counters.occluded += r.records.size() - from;
+    return true;
+  }
   void shade_batch();
   void add_triangle(const SetupTriangle& t, const Draw& draw, const KernelOptions& kernel);
-  std::uint32_t block_max(int stamp) const;
+  unsigned billed_lanes(int entry, unsigned covered, unsigned pass, const Draw& draw, const KernelOptions& kernel);
+  std::uint32_t block_max(int stamp, unsigned lanes) const;
 };
 
 TileRasterizer::TileRasterizer(const Frame& frame, const TileOptions& options) : state_(std::make_unique<State>(frame)) {
   const int block = options.bill.block_px;
-  ALU_CHECK(block == 4 || block == 8 || block == 16, "hierarchical depth blocks of {} px", block);
+  ALU_CHECK(block == 4 || block == 8 || block == 16 || (block == 2 && frame.samples() == 4),
+            "hierarchical depth blocks of {} px at {} samples", block, frame.samples());
   state_->options = options;
 }
 TileRasterizer::~TileRasterizer() = default;
@@ -64,13 +75,14 @@ void TileRasterizer::begin(int tile_number) {
   tile.origin = tile_origin(viewport, tile_number);
   tile.width = std::min(kTilePx, viewport.width - tile.origin.x);
   tile.height = std::min(kTilePx, viewport.height - tile.origin.y);
-  clear_tile(tile);
+  const int samples = s.frame.samples();
+  clear_tile(tile, samples);
   std::fill_n(tile.inside, kStampsPerTile, std::uint16_t{0xffff});
   if (tile.width < kTilePx || tile.height < kTilePx) {
     for (int y = 0; y < kTilePx; ++y)
       for (int x = 0; x < kTilePx; ++x) {
         if (x < tile.width && y < tile.height) continue;
-        tile.depth[TileView::element(x, y)] = 0;
+        for (int sample = 0; sample < samples; ++sample) tile.depth[(stamp_of(x, y) * samples + sample) * 16 + lane_of(x, y)] = 0;
         tile.inside[stamp_of(x, y)] &= static_cast<std::uint16_t>(~(1u << lane_of(x, y)));
       }
   }
@@ -92,10 +104,11 @@ void TileRasterizer::draw_opaque(BillSink* bill) {
   s.bill.sink = bill;
   const bool in_order_exists = s.first_in_order < s.frame.draws().size();
   for (; s.run < s.runs.size(); ++s.run) {
-    const RecordRun& run = s.runs[s.run];
+    const std::span<const SetupTriangle> run = s.runs[s.run].records;
+    if (s.skip_run(kernel, 0)) continue;
     // Runs lie far apart in memory and are short when triangles are small: fetch ahead what the next ones start with.
     if (s.run + kPrefetchRuns < s.runs.size()) {
-      const RecordRun& ahead = s.runs[s.run + kPrefetchRuns];
+      const std::span<const SetupTriangle> ahead = s.runs[s.run + kPrefetchRuns].records;
       for (std::size_t i = 0; i < std::min<std::size_t>(ahead.size(), kPrefetchRecords); ++i) __builtin_prefetch(&ahead[i]);
     }
     std::size_t count = run.size();
@@ -116,62 +129,92 @@ void TileRasterizer::State::shade_batch() {
   if (batch.count == 0) return;
   const std::uint64_t survivors = shader->shade(batch) & batch.visible;
   const bool write = frame.draws()[batch.draw].depth_write;
+  const std::size_t samples = static_cast<std::size_t>(frame.samples());
   for (std::size_t q = 0; q < static_cast<std::size_t>(batch.count); ++q) {
-    const unsigned lanes = survivors >> (4 * q) & 0xf;
-    const std::size_t element = std::size_t{batch_stamp[q]} * 16 + std::size_t{batch_quad[q]} * 4;
-    pending[batch_stamp[q]] = 0;
-    if (!write || lanes == 0) continue;
-    for (unsigned l = 0; l < 4; ++l)
-      if (lanes >> l & 1) tile.depth[element + l] = batch.depth[4 * q + l];
-    const auto written = static_cast<std::uint32_t>(std::popcount(lanes));
-    tile.block_writes[batch_stamp[q] >> 4] += written;
-    tile.tile_writes += written;
+    for (std::size_t sample = 0; sample < samples; ++sample) {
+      const std::size_t group = batch_stamp[q] * samples + sample, element = group * 16 + std::size_t{batch_quad[q]} * 4;
+      pending[group] = 0;
+      const unsigned lanes = (survivors & batch.visible_samples[sample]) >> (4 * q) & 0xf;
+      if (!write || lanes == 0) continue;
+      for (unsigned l = 0; l < 4; ++l)
+        if (lanes >> l & 1) tile.depth[element + l] = batch.depth[sample][4 * q + l];
+      const auto written = static_cast<std::uint32_t>(std::popcount(lanes));
+      tile.block_writes[batch_stamp[q] >> 4] += written;
+      tile.tile_writes += written;
+    }
   }
   batch.count = 0;
   batch.visible = batch.billed = 0;
+  batch.visible_samples = {};
 }
 
-std::uint32_t TileRasterizer::State::block_max(int stamp) const {
-  const int stamps = (options.bill.block_px / kStampPx) * (options.bill.block_px / kStampPx);
-  const std::uint32_t* depth = tile.depth + (stamp & ~(stamps - 1)) * 16;
-  return *std::max_element(depth, depth + stamps * 16);
+/// The farthest depth stored in the bill's block around these lanes of a stamp (all of it, or one quad).
+std::uint32_t TileRasterizer::State::block_max(int stamp, unsigned lanes) const {
+  const int samples = frame.samples();
+  if (options.bill.block_px >= kStampPx) {
+    const int stamps = (options.bill.block_px / kStampPx) * (options.bill.block_px / kStampPx);
+    const std::uint32_t* depth = tile.depth + (stamp & ~(stamps - 1)) * samples * 16;
+    return *std::max_element(depth, depth + stamps * samples * 16);
+  }
+  std::uint32_t most = 0;
+  for (int sample = 0; sample < samples; ++sample)
+    for (unsigned rest = lanes; rest != 0; rest &= rest - 1)
+      most = std::max(most, tile.depth[(stamp * samples + sample) * 16 + std::countr_zero(rest)]);
+  return most;
+}
+
+/// Lanes of one stamp that go on the bill. May run the waiting quads: only their depth tells whether the stamp is hidden.
+unsigned TileRasterizer::State::billed_lanes(int entry, unsigned covered, unsigned pass, const Draw& draw, const KernelOptions& kernel) {
+  switch (kernel.bill.kind) {
+    case BillRule::Kind::Off: return 0;
+    case BillRule::Kind::Everything: return covered;
+    case BillRule::Kind::PerPixel: return pass;
+    case BillRule::Kind::Hierarchical: break;
+  }
+  const int samples = frame.samples(), stamp = fragments.stamp[entry];
+  const bool by_quad = kernel.bill.block_px < kStampPx;
+  unsigned billed = 0;
+  for (unsigned unit = by_quad ? 0xfu : 0xffffu; (unit & 0xffffu) != 0; unit = by_quad ? unit << 4 : 0) {
+    const unsigned lanes = covered & unit;
+    if (lanes == 0) continue;
+    if ((pass & unit) == 0) {
+      std::uint32_t nearest = kDepthMax;
+      for (int sample = 0; sample < samples; ++sample)
+        for (unsigned rest = unit & fragments.covered[entry * samples + sample]; rest != 0; rest &= rest - 1)
+          nearest = std::min(nearest, fragments.depth[entry * samples + sample][std::countr_zero(rest)]);
+      // Waiting quads can only lower the maximum: a rejection stands, an acceptance needs their depth.
+      if (nearest >= block_max(stamp, unit)) continue;
+      if (batch.count != 0 && draw.depth_write) shade_batch();
+      if (nearest >= block_max(stamp, unit)) continue;
+    }
+    billed |= lanes;
+  }
+  return billed;
 }
 
 void TileRasterizer::State::add_triangle(const SetupTriangle& t, const Draw& draw, const KernelOptions& kernel) {
   find_fragments(tile, t, kernel, fragments, hiz);
   if (bill.count > BillBuffer::kCapacity - kStampsPerTile) bill.flush();
+  const int samples = frame.samples();
   for (int i = 0; i < fragments.count; ++i) {
     const int stamp = fragments.stamp[i];
-    const std::size_t s = static_cast<std::size_t>(stamp);
-    const unsigned covered = fragments.covered[i];
-    // A pixel may wait for the shader once: the next triangle on it has to see its depth and blend over its colour.
-    if (pending[s] & covered) shade_batch();
-    const std::uint32_t* z = fragments.depth[i];
-    const auto depth_test = [&] {
-      unsigned pass = 0;
-      for (unsigned l = 0; l < 16; ++l) pass |= static_cast<unsigned>(z[l] < tile.depth[s * 16 + l]) << l;
-      return pass & covered;
-    };
-    const unsigned pass = depth_test();
-    unsigned billed = 0;
-    switch (kernel.bill.kind) {
-      case BillRule::Kind::Off: break;
-      case BillRule::Kind::Everything: billed = covered; break;
-      case BillRule::Kind::PerPixel: billed = pass; break;
-      case BillRule::Kind::Hierarchical:
-        if (pass != 0) {
-          billed = covered;
-        } else {
-          std::uint32_t nearest = kDepthMax;
-          for (unsigned rest = covered; rest != 0; rest &= rest - 1) nearest = std::min(nearest, z[std::countr_zero(rest)]);
-          // Waiting quads can only lower the maximum: a rejection stands, an acceptance needs their depth.
-          if (nearest < block_max(stamp)) {
-            if (batch.count != 0 && draw.depth_write) shade_batch();
-            if (nearest < block_max(stamp)) billed = covered;
-          }
-        }
-        break;
+    unsigned covered = 0, waiting = 0;
+    for (int sample = 0; sample < samples; ++sample) {
+      covered |= fragments.covered[i * samples + sample];
+      waiting |= fragments.covered[i * samples + sample] & pending[static_cast<std::size_t>(stamp * samples + sample)];
     }
+    // A sample may wait for the shader once: the next triangle on it has to see its depth and blend over its colour.
+    if (waiting != 0) shade_batch();
+    std::array<unsigned, kMaxSamples> sample_pass{};
+    unsigned pass = 0;
+    for (int sample = 0; sample < samples; ++sample) {
+      const std::uint32_t *z = fragments.depth[i * samples + sample], *stored = tile.depth + (stamp * samples + sample) * 16;
+      unsigned nearer = 0;
+      for (unsigned l = 0; l < 16; ++l) nearer |= static_cast<unsigned>(z[l] < stored[l]) << l;
+      sample_pass[static_cast<std::size_t>(sample)] = nearer & fragments.covered[i * samples + sample];
+      pass |= sample_pass[static_cast<std::size_t>(sample)];
+    }
+    const unsigned billed = billed_lanes(i, covered, pass, draw, kernel);
     if (billed != 0)
       bill.stamps[bill.count++] = {t.draw(), static_cast<std::uint16_t>(billed), static_cast<std::uint8_t>(stamp)};
 
@@ -189,10 +232,14 @@ void TileRasterizer::State::add_triangle(const SetupTriangle& t, const Draw& dra
       batch.y[q] = static_cast<std::uint16_t>(tile.origin.y + stamp_y(stamp) + static_cast<int>(quad >> 1) * 2);
       batch.visible |= std::uint64_t{quad_visible} << 4 * q;
       batch.billed |= std::uint64_t{quad_billed} << 4 * q;
-      std::copy_n(z + 4 * quad, 4, batch.depth.begin() + static_cast<std::ptrdiff_t>(4 * q));
       batch_stamp[q] = static_cast<std::uint16_t>(stamp);
       batch_quad[q] = static_cast<std::uint8_t>(quad);
-      pending[s] |= static_cast<std::uint16_t>(quad_visible << 4 * quad);
+      for (std::size_t sample = 0; sample < static_cast<std::size_t>(samples); ++sample) {
+        const unsigned visible = sample_pass[sample] >> 4 * quad & 0xf;
+        batch.visible_samples[sample] |= std::uint64_t{visible} << 4 * q;
+        std::copy_n(fragments.depth[static_cast<std::size_t>(i * samples) + sample] + 4 * quad, 4, batch.depth[sample].begin() + static_cast<std::ptrdiff_t>(4 * q));
+        pending[static_cast<std::size_t>(stamp * samples) + sample] |= static_cast<std::uint16_t>(visible << 4 * quad);
+      }
       ++counters.quads_shaded;
       if (batch.count == kBatchQuads) shade_batch();
     }
@@ -205,7 +252,8 @@ void TileRasterizer::draw_in_order(QuadShader& shader, BillSink* bill) {
   s.bill.sink = bill;
   s.shader = &shader;
   for (; s.run < s.runs.size(); ++s.run, s.record = 0) {
-    const RecordRun& run = s.runs[s.run];
+    const std::span<const SetupTriangle> run = s.runs[s.run].records;
+    if (s.skip_run(kernel, s.record)) continue;
     for (; s.record < run.size(); ++s.record) {
       const SetupTriangle& t = run[s.record];
       if (s.batch.count != 0 && s.batch.draw != t.draw()) s.shade_batch();
@@ -218,8 +266,8 @@ void TileRasterizer::draw_in_order(QuadShader& shader, BillSink* bill) {
 
 TileView TileRasterizer::view() const {
   const TileMemory& tile = state_->tile;
-  return {tile.origin, tile.width, tile.height, std::span<const TriangleId, kTilePixels>(tile.visibility),
-          std::span<const std::uint32_t, kTilePixels>(tile.depth)};
+  const auto elements = static_cast<std::size_t>(kTilePixels * state_->frame.samples());
+  return {tile.origin, tile.width, tile.height, state_->frame.samples(), {tile.visibility, elements}, {tile.depth, elements}};
 }
 
 const TileCounters& TileRasterizer::counters() const {
@@ -232,7 +280,7 @@ void store_depth(const TileView& tile, std::span<std::uint32_t> image, int image
   for (int y = 0; y < tile.height; ++y)
     for (int x = 0; x < tile.width; ++x)
       image[static_cast<std::size_t>(tile.origin.y + y) * static_cast<std::size_t>(image_width) + static_cast<std::size_t>(tile.origin.x + x)] =
-          tile.depth[static_cast<std::size_t>(TileView::element(x, y))];
+          tile.depth[static_cast<std::size_t>(tile.element(x, y, 0))];
 }
 
 }  // namespace aluminate::raster

@@ -10,6 +10,7 @@
 
 #include "rasterizer/bill.hpp"
 #include "rasterizer/limits.hpp"
+#include "rasterizer/samples.hpp"
 #include "rasterizer/triangle.hpp"
 
 namespace aluminate::raster {
@@ -28,13 +29,14 @@ struct BillBuffer {
   }
 };
 
-/// One worker's tile. Stamp-major: element 16 stamp + lane, so a 16x16 block is 256 consecutive elements.
+/// One worker's tile. Stamp-major: element 16 (samples stamp + sample) + lane, so a 16x16 block is 256 samples consecutive
+/// elements. With one sample a pixel only the first quarter of the arrays is touched: 32 KiB, with four 128 KiB.
 struct alignas(64) TileMemory {
-  std::uint32_t depth[kTilePixels];        // 0 outside the viewport: nothing passes there and maxima are those of the inside
-  std::uint32_t visibility[kTilePixels];
+  std::uint32_t depth[kTilePixels * kMaxSamples];  // 0 outside the viewport: nothing passes there, maxima are the inside's
+  std::uint32_t visibility[kTilePixels * kMaxSamples];
   std::uint16_t inside[kStampsPerTile];    // lanes inside the viewport
   std::int32_t block_max[16];              // >= every depth of the block, exact after refresh
-  std::uint32_t block_writes[16];          // pixels written since the last refresh of the block
+  std::uint32_t block_writes[16];          // samples written since the last refresh of the block
   std::uint32_t tile_max = 0;              // >= every block_max
   std::uint32_t tile_writes = 0;           // since tile_max was computed
   TileOrigin origin;
@@ -43,7 +45,8 @@ struct alignas(64) TileMemory {
 
 struct KernelOptions {
   BillRule bill;
-  bool tile_hiz = true, block_hiz = true;  // false also where the bill needs the coverage of hidden triangles
+  int samples = 1;
+  bool occluded = true, tile_hiz = true, block_hiz = true;  // false also where the bill needs the coverage of hidden triangles
 };
 
 struct HizCounters {
@@ -51,18 +54,21 @@ struct HizCounters {
 };
 
 /// Depth to kDepthMax, visibility to kNoTriangle.
-void clear_tile(TileMemory& tile);
+void clear_tile(TileMemory& tile, int samples);
+
+/// Whether nothing as far as z_min can be seen in the tile.
+bool tile_hides(TileMemory& tile, std::uint32_t z_min, int samples);
 
 /// Depth-tests and draws Opaque records in order.
 void draw_opaque_records(TileMemory& tile, const SetupTriangle* records, std::size_t count, const KernelOptions& options,
                          BillBuffer& bill, HizCounters& counters);
 
-/// A triangle's covered stamps in a tile, not depth-tested.
+/// A triangle's covered stamps in a tile, not depth-tested. Sample s of entry i is element samples i + s.
 struct StampFragments {
   int count = 0;
   std::uint8_t stamp[kStampsPerTile];
-  std::uint16_t covered[kStampsPerTile];   // inside the viewport, never 0
-  alignas(64) std::uint32_t depth[kStampsPerTile][16];
+  std::uint16_t covered[kStampsPerTile * kMaxSamples];  // lanes inside the viewport; of an entry not all 0
+  alignas(64) std::uint32_t depth[kStampsPerTile * kMaxSamples][16];
 };
 /// Stamps hidden for sure are left out when hierarchical depth is on.
 void find_fragments(TileMemory& tile, const SetupTriangle& record, const KernelOptions& options, StampFragments& fragments,

@@ -11,6 +11,7 @@
 #include "platform/host/error.hpp"
 #include "platform/host/parallel.hpp"
 #include "shading/cost/listing.hpp"
+#include "shading/passes/mesh_bounds.hpp"
 
 namespace aluminate::passes {
 namespace {
@@ -232,6 +233,7 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
       for (const MapInfo& map : kMaps) list.textures.want((material.*map.slot).image, map.srgb);
   list.textures.decode(scene);
   for (DrawState& draw : list.draws) bind_samplers(list, draw);
+  if (!options.no_skip.contains("mesh_bounds")) mark_draws_outside(list);
   return list;
 }
 

@@ -18,6 +18,7 @@
 #include "shading/passes/frame.hpp"
 #include "shading/passes/prepared.hpp"
 #include "shading/passes/resolve.hpp"
+#include "shading/passes/sample_colors.hpp"
 #include "shading/passes/shade.hpp"
 
 namespace aluminate::passes {
@@ -46,14 +47,18 @@ class TileWorker : public raster::QuadShader {
         tile_(prepared.raster_frame, options),
         shader_(prepared),
         bill_(prepared.list),
+        samples_(prepared.raster_frame.samples()),
+        sample_colors_(samples_),
         frame_(frame) {}
 
   void run(int tile) {
     bill_.begin();
     tile_.begin(tile);
+    if (samples_ > 1) sample_colors_.begin(tile_.view(), frame_);
     tile_.draw_opaque(&bill_);
     shade_visible();
     tile_.draw_in_order(*this, &bill_);
+    if (samples_ > 1) sample_colors_.resolve(tile_.view(), frame_);
     bill_.store(tile_.view(), frame_.width, frame_.cost);
     raster::store_depth(tile_.view(), frame_.depth_d24, frame_.width);
   }
@@ -77,7 +82,10 @@ class TileWorker : public raster::QuadShader {
     for (std::uint64_t lanes = kept; lanes; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const std::size_t q = static_cast<std::size_t>(lane) / 4;
-      store(batch.x[q] + (lane & 1), batch.y[q] + (lane >> 1 & 1), lane, draw);
+      unsigned samples = 0;
+      for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+        samples |= static_cast<unsigned>(batch.visible_samples[s] >> lane & 1) << s;
+      store(batch.x[q] + (lane & 1), batch.y[q] + (lane >> 1 & 1), samples, lane, draw);
     }
     return kept;
   }
@@ -90,6 +98,7 @@ class TileWorker : public raster::QuadShader {
   void shade_visible() {
     raster::gather_visible_quads(raster_frame_, tile_.view(), visible_);
     std::array<raster::QuadPosition, raster::kBatchQuads> quads;
+    std::array<std::uint16_t, raster::kBatchQuads> quad_samples;
     for (std::size_t first = 0; first < visible_.size();) {
       const std::uint32_t draw = visible_[first].draw;
       std::size_t count = 0;
@@ -98,34 +107,46 @@ class TileWorker : public raster::QuadShader {
              visible_[first + count].draw == draw) {
         const raster::VisibleQuad& quad = visible_[first + count];
         quads[count] = {quad.triangle, quad.x, quad.y};
+        quad_samples[count] = quad.samples;
         covered |= std::uint64_t{quad.lanes} << 4 * count;
         ++count;
       }
       shader_.run({draw, {quads.data(), count}, covered, nullptr});
       for (std::uint64_t lanes = covered; lanes; lanes &= lanes - 1) {
         const int lane = std::countr_zero(lanes);
-        const raster::QuadPosition& quad = quads[static_cast<std::size_t>(lane) / 4];
-        store(quad.x + (lane & 1), quad.y + (lane >> 1 & 1), lane, list_.draws[draw]);
+        const std::size_t q = static_cast<std::size_t>(lane) / 4;
+        // One bit of every nibble: the lane's samples.
+        const unsigned bits = quad_samples[q] >> (lane & 3) & 0x1111u;
+        const unsigned samples = (bits | bits >> 3 | bits >> 6 | bits >> 9) & 0xfu;
+        store(quads[q].x + (lane & 1), quads[q].y + (lane >> 1 & 1), samples, lane, list_.draws[draw]);
       }
       first += count;
     }
   }
 
-  // Colour of one pixel into the frame: replaced, or blended over what is there, in linear light.
-  void store(int x, int y, int lane, const DrawState& draw) {
+  // Colour of one pixel, or of those of its samples that the lane won, into the frame.
+  void store(int x, int y, unsigned samples, int lane, const DrawState& draw) {
     const std::size_t at =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
-    float* pixel = &frame_.linear[at * 4];
-    if (draw.surface == Surface::Blended) {
-      const double alpha = std::clamp(shader_.color(3, lane), 0.0, 1.0);
-      for (int c = 0; c < 3; ++c)
-        pixel[c] = static_cast<float>(shader_.color(c, lane) * alpha + pixel[c] * (1.0 - alpha));
+    const bool blended = draw.surface == Surface::Blended;
+    if (samples_ == 1) {
+      write(&frame_.linear[at * 4], lane, blended);
     } else {
-      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(shader_.color(c, lane));
+      const raster::TileOrigin origin = tile_.view().origin;
+      for (; samples != 0; samples &= samples - 1)
+        write(sample_colors_.at(x - origin.x, y - origin.y, std::countr_zero(samples)), lane, blended);
     }
-    pixel[3] = 1.0f;
+    frame_.linear[at * 4 + 3] = 1.0f;
     frame_.covered[at] = 1;
     frame_.cost.path[at] = static_cast<std::uint32_t>(draw.pixel_program) + 1;
+  }
+
+  // RGB: replaced, or blended over what is there, in linear light.
+  void write(float* rgb, int lane, bool blended) const {
+    const double alpha = blended ? std::clamp(shader_.color(3, lane), 0.0, 1.0) : 1.0;
+    for (int c = 0; c < 3; ++c)
+      rgb[c] = static_cast<float>(blended ? shader_.color(c, lane) * alpha + rgb[c] * (1.0 - alpha)
+                                          : shader_.color(c, lane));
   }
 
   // Executed cost of a batch whose program branches on data: blocks times executions, for every lane of a
@@ -145,6 +166,8 @@ class TileWorker : public raster::QuadShader {
   raster::TileRasterizer tile_;
   Shader shader_;
   TileBill bill_;
+  const int samples_;  // a pixel
+  SampleColors sample_colors_;
   Frame& frame_;
   std::vector<raster::VisibleQuad> visible_;
   std::vector<std::uint32_t> lane_blocks_;
@@ -154,6 +177,7 @@ Frame blank_frame(const FrameOptions& options) {
   Frame frame;
   frame.width = options.width;
   frame.height = options.height;
+  frame.samples = options.msaa;
   const std::size_t pixels = frame.pixel_count();
   frame.linear.resize(pixels * 4);
   frame.covered.resize(pixels);
@@ -263,6 +287,8 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
       {"small", setup.small},
       {"tile_hiz", tile_counters.tile_hiz},
       {"block_hiz", tile_counters.block_hiz},
+      {"occluded", tile_counters.occluded},
+      {"mesh_bounds", setup.outside},
       {"early_z", tile_counters.early_z},
       {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
       {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())}};

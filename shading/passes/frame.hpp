@@ -61,9 +61,10 @@ struct Timing {  // milliseconds of wall time; the only part that varies
 
 struct Frame {
   int width = 0, height = 0;
+  int samples = 1;                       // a pixel, before the resolve
   std::vector<std::uint8_t> rgba8;       // stored display values, 4 bytes a pixel, top left first
   std::vector<float> linear;             // RGBA linear light before tone map and clamp, 4 floats a pixel
-  std::vector<std::uint32_t> depth_d24;  // 0 near .. 2^24-1 far and background
+  std::vector<std::uint32_t> depth_d24;  // of a pixel's first sample; 0 near .. 2^24-1 far and background
   std::vector<std::uint8_t> covered;     // 1 where geometry was drawn
   CostPlanes cost;
   std::vector<PassTotals> passes;

@@ -12,6 +12,7 @@
 #include "scenes/scene.hpp"
 #include "shading/passes/bill.hpp"
 #include "shading/passes/prepared.hpp"
+#include "shading/passes/resolve.hpp"
 #include "shading/passes/shade.hpp"
 
 namespace aluminate::passes {
@@ -20,19 +21,29 @@ namespace {
 // Draws the pixel's tile again and writes down everything that touches the pixel.
 class Microscope : public raster::QuadShader, public raster::BillSink {
  public:
-  Microscope(const PreparedFrame& prepared, const raster::TileOptions& options, PixelReport& report)
-      : prepared_(prepared), tile_(prepared.raster_frame, options), shader_(prepared), report_(report) {}
+  Microscope(const PreparedFrame& prepared, const raster::TileOptions& options,
+             const std::array<float, 3>& background, PixelReport& report)
+      : prepared_(prepared),
+        tile_(prepared.raster_frame, options),
+        shader_(prepared),
+        samples_(static_cast<std::size_t>(prepared.raster_frame.samples())),
+        report_(report) {
+    colors_.fill({background[0], background[1], background[2]});
+  }
 
   void look(int tile_index, int x, int y) {
     tile_.begin(tile_index);
     x_ = x - tile_.view().origin.x;
     y_ = y - tile_.view().origin.y;
     tile_.draw_opaque(this);
-    const auto element = static_cast<std::size_t>(raster::TileView::element(x_, y_));
-    if (const raster::TriangleId id = tile_.view().visibility[element]; id != raster::kNoTriangle)
-      trace_visible(id);
+    trace_visible();
     tile_.draw_in_order(*this, this);
-    report_.depth_d24 = tile_.view().depth[element];
+    report_.depth_d24 = tile_.view().depth[static_cast<std::size_t>(tile_.view().element(x_, y_, 0))];
+    for (std::size_t c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (std::size_t s = 0; s < samples_; ++s) sum += colors_[s][c];
+      report_.linear[c] = sum / static_cast<double>(samples_);
+    }
   }
 
   void billed(std::span<const raster::BilledStamp> stamps) override {
@@ -53,13 +64,13 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
     const int lane_in_quad = (py & 1) * 2 + (px & 1);
     const PixelProgram& program = program_of(batch.draw);
-    std::vector<int> here;  // lanes of this batch at the pixel
-    int mine = -1;          // the one that is visible
+    std::vector<int> here;     // lanes of this batch at the pixel
+    std::vector<int> visible;  // those that are visible: of one triangle, or with several samples of more
     for (std::size_t q = 0; q < count; ++q) {
       quads[q] = {batch.triangle[q], batch.x[q], batch.y[q]};
       if (batch.x[q] != (px & ~1) || batch.y[q] != (py & ~1)) continue;
       here.push_back(static_cast<int>(4 * q) + lane_in_quad);
-      if (batch.visible >> here.back() & 1) mine = here.back();
+      if (batch.visible >> here.back() & 1) visible.push_back(here.back());
     }
     ShadingJob job{batch.draw, {quads.data(), count}, batch.visible, nullptr};
     if (!program.straight_line && !here.empty()) {
@@ -74,12 +85,14 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       job.covered = batch.visible;
       job.lane_blocks = nullptr;
     }
-    if (mine < 0) return shader_.run(job);
-    const bool kept = trace(job, mine);
+    if (visible.empty()) return shader_.run(job);
+    const bool kept = trace(job, visible.back());
     const bool blended = prepared_.list.draws[batch.draw].surface == Surface::Blended;
     if (!report_.visits.empty() && report_.visits.back().draw == batch.draw)
       report_.visits.back().outcome = !kept ? "discarded" : blended ? "blended" : "drawn";
-    if (kept) compose(mine, blended);
+    for (const int lane : visible)
+      for (std::size_t s = 0; s < samples_; ++s)
+        if ((survivors_ & batch.visible_samples[s]) >> lane & 1) compose(s, lane, blended);
     return survivors_;
   }
 
@@ -97,16 +110,17 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     report_.fetch_cyc += cost.fetch_cyc;
   }
 
-  void trace_visible(raster::TriangleId id) {
+  void trace_visible() {
     std::vector<raster::VisibleQuad> quads;
     raster::gather_visible_quads(prepared_.raster_frame, tile_.view(), quads);
     const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
     for (const raster::VisibleQuad& quad : quads) {
-      if (quad.triangle != id || quad.x != (px & ~1) || quad.y != (py & ~1)) continue;
-      const raster::QuadPosition position{quad.triangle, quad.x, quad.y};
       const int lane = (py & 1) * 2 + (px & 1);
+      if (quad.x != (px & ~1) || quad.y != (py & ~1) || (quad.lanes >> lane & 1) == 0) continue;
+      const raster::QuadPosition position{quad.triangle, quad.x, quad.y};
       trace({quad.draw, {&position, 1}, quad.lanes, nullptr}, lane);
-      compose(lane, false);
+      for (std::size_t s = 0; s < samples_; ++s)
+        if (quad.samples >> (4 * s + static_cast<std::size_t>(lane)) & 1) compose(s, lane, false);
       for (auto visit = report_.visits.rbegin(); visit != report_.visits.rend(); ++visit) {
         if (visit->draw != quad.draw || visit->outcome != "hidden") continue;
         visit->outcome = "drawn";
@@ -135,16 +149,18 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     return survivors_ >> lane & 1;
   }
 
-  void compose(int lane, bool blended) {
+  void compose(std::size_t sample, int lane, bool blended) {
     const double alpha = blended ? std::clamp(shader_.color(3, lane), 0.0, 1.0) : 1.0;
     for (std::size_t c = 0; c < 3; ++c)
-      report_.linear[c] =
-          shader_.color(static_cast<int>(c), lane) * alpha + report_.linear[c] * (1.0 - alpha);
+      colors_[sample][c] =
+          shader_.color(static_cast<int>(c), lane) * alpha + colors_[sample][c] * (1.0 - alpha);
   }
 
   const PreparedFrame& prepared_;
   raster::TileRasterizer tile_;
   Shader shader_;
+  const std::size_t samples_;  // a pixel
+  std::array<std::array<double, 3>, raster::kMaxSamples> colors_{};
   PixelReport& report_;
   int x_ = 0, y_ = 0;  // tile-relative
   std::uint64_t survivors_ = 0;
@@ -173,7 +189,8 @@ PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& option
   shade_all_vertices(prepared);
   set_up_triangles(prepared, options);
   const raster::Viewport& viewport = prepared.raster_frame.viewport();
-  Microscope(prepared, tile_options(prepared.list.gpu, options), report)
+  Microscope(prepared, tile_options(prepared.list.gpu, options), linear_background(options.background),
+             report)
       .look(y / raster::kTilePx * viewport.tiles_x() + x / raster::kTilePx, x, y);
   return report;
 }

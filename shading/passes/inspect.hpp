@@ -29,8 +29,8 @@ struct PixelVisit {
 
 struct PixelReport {
   int x = 0, y = 0;
-  std::array<double, 3> linear{};  // after the last draw
-  std::uint32_t depth_d24 = 0;
+  std::array<double, 3> linear{};        // after the last draw, the mean of its samples
+  std::uint32_t depth_d24 = 0;           // of the first sample
   std::vector<PixelVisit> visits;        // submission order
   std::vector<TracedInstruction> trace;  // of the last draw that was executed here
   std::string traced_program;

@@ -23,6 +23,7 @@ constexpr Choice<Tonemap> kTonemaps[] = {
     {"none", Tonemap::None}, {"reinhard", Tonemap::Reinhard}, {"filmic", Tonemap::Filmic}};
 constexpr Choice<LightLoop> kLightLoops[] = {
     {"auto", LightLoop::Auto}, {"rolled", LightLoop::Rolled}, {"unrolled", LightLoop::Unrolled}};
+constexpr Choice<int> kSampleCounts[] = {{"1", 1}, {"4", 4}};
 constexpr Choice<bool> kSwitches[] = {{"true", true}, {"false", false}};
 constexpr Choice<VmTier> kVmTiers[] = {{"auto", VmTier::Auto}, {"interpreter", VmTier::Interpreter}};
 
@@ -143,6 +144,7 @@ void set_define(FrameOptions& options, std::string_view value) {
 const std::vector<OptionInfo>& option_table() {
   static const std::vector<OptionInfo> table = {
       {"size", "WxH", "picture size in pixels (1280x720)"},
+      {"msaa", "1|4", "samples a pixel, resolved in linear light (1)"},
       {"camera", "auto|outside|inside|gltf[:N]|ex,ey,ez:tx,ty,tz:fovy", "point of view (auto)"},
       {"lights", "rig:N|scene|none", "light set (scene if the file has lights, else rig:4)"},
       {"ambient", "flat:V|none", "ambient light on cdiff + cspec (flat:0.03)"},
@@ -165,7 +167,9 @@ const std::vector<OptionInfo>& option_table() {
 
 void set_option(FrameOptions& options, std::string_view key, std::string_view value) {
   if (key == "size") return set_size(options, value);
-  if (key == "camera") {
+  if (key == "msaa") {
+    options.msaa = choose(key, value, kSampleCounts);
+  } else if (key == "camera") {
     options.camera = value;
   } else if (key == "lights") {
     set_lights(options, value);

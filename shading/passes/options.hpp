@@ -26,12 +26,15 @@ enum class VmTier { Auto, Interpreter };
 inline constexpr int kUnrolledLights = 8;
 
 /// Names of the skips that `--no-skip` turns off (design: what a scene does not need is skipped and counted).
-/// The first seven are the rasterizer's; "textures" decodes only the images that a draw samples.
-inline constexpr std::string_view kSkipNames[] = {"frustum",   "facing",  "small",       "tile_hiz",
-                                                  "block_hiz", "early_z", "empty_tiles", "textures"};
+/// The first eight are the rasterizer's; "mesh_bounds" leaves out draws whose bounds lie outside the view,
+/// "textures" decodes only the images that a draw samples.
+inline constexpr std::string_view kSkipNames[] = {"frustum",     "facing",  "small",       "tile_hiz",
+                                                  "block_hiz",   "early_z", "empty_tiles", "occluded",
+                                                  "mesh_bounds", "textures"};
 
 struct FrameOptions {
   int width = 1280, height = 720;
+  int msaa = 1;  // samples a pixel, 1 or 4
   std::string camera = "auto";
   std::string lights;  // empty: "scene" when the file has lights, else "rig:4"
   AmbientKind ambient = AmbientKind::Flat;

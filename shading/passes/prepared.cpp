@@ -1,5 +1,7 @@
 #include "shading/passes/prepared.hpp"
 
+#include "shading/passes/mesh_bounds.hpp"
+
 namespace aluminate::passes {
 namespace {
 
@@ -19,8 +21,13 @@ void shade_all_vertices(PreparedFrame& prepared) {
   prepared.varyings.resize(list.varying_count);
   for (const VertexProgram& program : list.vertex_programs)
     prepared.vertex_counters.emplace_back(program.executable);
-  for (const DrawState& draw : list.draws) {
+  for (std::size_t i = 0; i < list.draws.size(); ++i) {
+    const DrawState& draw = list.draws[i];
     const auto program = static_cast<std::size_t>(draw.vertex_program);
+    if (list.raster_draws[i].outside) {
+      count_unshaded_vertices(draw.mesh->positions.size(), prepared.vertex_counters[program]);
+      continue;
+    }
     const std::size_t v = draw.first_vertex;
     const VertexTarget target{prepared.x.data() + v, prepared.y.data() + v, prepared.z.data() + v,
                               prepared.w.data() + v, prepared.varyings.data() + draw.first_varying};
@@ -35,7 +42,8 @@ void set_up_triangles(PreparedFrame& prepared, const FrameOptions& options) {
                                 .positions = {prepared.x, prepared.y, prepared.z, prepared.w},
                                 .indices = prepared.list.indices,
                                 .draws = prepared.list.raster_draws,
-                                .skips = skip_set(options)},
+                                .skips = skip_set(options),
+                                .samples = options.msaa},
                                raster::host_threads());
 }
 
@@ -43,7 +51,9 @@ raster::TileOptions tile_options(const console::GpuModel& gpu, const FrameOption
   // Xenos has hierarchical Z of 4x4 pixels and no early test per sample [XEN-X] [B3D-5]; the others test
   // before shading.
   const bool hierarchical = gpu.alu_model == console::AluModel::Vec4PlusScalar;
-  return {.bill = {hierarchical ? raster::BillRule::Kind::Hierarchical : raster::BillRule::Kind::PerPixel, 4},
+  // Its grain is 16 samples: 4x4 pixels, or 2x2 of four samples each.
+  return {.bill = {hierarchical ? raster::BillRule::Kind::Hierarchical : raster::BillRule::Kind::PerPixel,
+                   options.msaa == 4 ? 2 : 4},
           .skips = skip_set(options)};
 }
 

@@ -94,10 +94,16 @@ void tone_map(const DrawList& list, Tonemap tonemap, std::vector<float>& mapped,
 
 }  // namespace
 
-void clear_to_background(const glm::dvec3& stored, Frame& frame) {
-  std::array<float, 4> linear{0, 0, 0, 1};
+std::array<float, 3> linear_background(const glm::dvec3& stored) {
+  std::array<float, 3> linear{};
   for (std::size_t c = 0; c < 3; ++c)
     linear[c] = static_cast<float>(vm::srgb_decode16(stored_code(stored[static_cast<int>(c)])) / 65535.0);
+  return linear;
+}
+
+void clear_to_background(const glm::dvec3& stored, Frame& frame) {
+  const std::array<float, 3> rgb = linear_background(stored);
+  const std::array<float, 4> linear{rgb[0], rgb[1], rgb[2], 1};
   for (std::size_t i = 0; i < frame.linear.size(); ++i) frame.linear[i] = linear[i % 4];
 }
 

@@ -1,6 +1,7 @@
 // From linear radiance to stored pixels: tone map (a pass of its own, in the VM, billed) and sRGB encoding.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 
 #include "shading/passes/draw_list.hpp"
@@ -8,6 +9,8 @@
 
 namespace aluminate::passes {
 
+/// Linear light of the stored display values a picture is cleared to.
+std::array<float, 3> linear_background(const glm::dvec3& stored);
 /// Fills `linear` with the background's linear value, so that blending over it is right.
 void clear_to_background(const glm::dvec3& stored, Frame& frame);
 

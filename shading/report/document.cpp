@@ -38,6 +38,7 @@ ordered_json options_json(const passes::FrameOptions& o, const passes::Frame& fr
   ordered_json defines = ordered_json::object();
   for (const auto& [name, value] : o.defines) defines[name] = value;
   return {{"size", fmt::format("{}x{}", o.width, o.height)},
+          {"msaa", o.msaa},
           {"camera", o.camera},
           {"lights", frame.lights},
           {"ambient", passes::ambient_text(o)},
@@ -207,6 +208,7 @@ std::string canonical_command(const std::string& verb, const Origin& origin) {
       verb, origin.scene_file, o.width, o.height, o.camera, o.lights, passes::ambient_text(o),
       passes::to_string(o.pipeline), brdf::to_string(o.visibility), brdf::to_string(o.fresnel),
       passes::to_string(o.tonemap), o.number, o.platform, passes::to_string(o.light_loop));
+  if (o.msaa != 1) text += fmt::format(" --msaa {}", o.msaa);
   if (!o.shader.empty()) text += " --shader " + o.shader;
   for (const auto& [name, value] : o.defines) text += fmt::format(" -D {}={}", name, value);
   return text;

@@ -19,26 +19,34 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
     work.vertices = static_cast<double>(pass.vertices);
     work.vertex_words = static_cast<double>(pass.vertex_words);
     work.triangles = static_cast<double>(pass.triangles);
-    work.rop.push_back({.pixels = static_cast<double>(pass.rop_pixels), .blend = false});
+    work.rop.push_back(
+        {.pixels = static_cast<double>(pass.rop_pixels), .blend = false, .samples = frame.samples});
     if (pass.rop_blended > 0)
-      work.rop.push_back({.pixels = static_cast<double>(pass.rop_blended), .blend = true});
+      work.rop.push_back(
+          {.pixels = static_cast<double>(pass.rop_blended), .blend = true, .samples = frame.samples});
     work.bytes.push_back({"geometry and textures", static_cast<double>(pass.bytes)});
-    // Without eDRAM every colour and depth access goes to memory: 4 bytes each, read and written where
-    // blended.
+    // Without eDRAM every colour and depth access goes to memory: 4 bytes a sample each, read and written
+    // where blended. No compression of samples is assumed.
     if (!gpu.has_edram()) {
-      work.bytes.push_back({"colour", 4.0 * static_cast<double>(pass.rop_pixels) +
-                                          8.0 * static_cast<double>(pass.rop_blended)});
-      work.bytes.push_back(
-          {"depth", 4.0 * static_cast<double>(pass.pixels) + 4.0 * static_cast<double>(pass.rop_pixels)});
+      const double samples = frame.samples;
+      work.bytes.push_back({"colour", samples * (4.0 * static_cast<double>(pass.rop_pixels) +
+                                                 8.0 * static_cast<double>(pass.rop_blended))});
+      work.bytes.push_back({"depth", samples * (4.0 * static_cast<double>(pass.pixels) +
+                                                4.0 * static_cast<double>(pass.rop_pixels))});
     }
     works.push_back(std::move(work));
   }
   if (gpu.has_edram() && !works.empty()) {
-    const console::SurfaceShape surface{.width_px = frame.width, .height_px = frame.height};
+    const console::SurfaceShape surface{
+        .width_px = frame.width, .height_px = frame.height, .samples = frame.samples};
     const console::SurfaceShape surfaces[] = {surface, surface};  // colour and depth
     works.front().tiling_passes = console::tiling_passes(gpu, surfaces);
     works.back().resolve_pixels = static_cast<double>(frame.pixel_count());
     works.back().bytes.push_back({"resolve", 4.0 * static_cast<double>(frame.pixel_count())});
+  } else if (frame.samples > 1 && !works.empty()) {
+    // A full-screen pass reads every sample and writes the pixel.
+    works.back().bytes.push_back(
+        {"resolve", 4.0 * (frame.samples + 1) * static_cast<double>(frame.pixel_count())});
   }
   return works;
 }

@@ -89,20 +89,23 @@ TEST(Bill, ShadersThatBranchOnDataAreBilledAsExecuted) {
 TEST(Bill, ThreadsAndSkipsChangeNothing) {
   const scenes::Scene& scene = test::sample_scene("beach_hut");
   const int threads = host::thread_count();
-  host::set_thread_count(1);
-  const Frame one = render_frame(scene, small(161, 90));
-  for (const int count : {2, 3, 7, 16}) {
-    host::set_thread_count(count);
-    FrameOptions options = small(161, 90);
-    if (count == 16) set_option(options, "no-skip", "all");
-    const Frame many = render_frame(scene, options);
-    EXPECT_EQ(many.rgba8, one.rgba8) << count;
-    EXPECT_EQ(many.linear, one.linear) << count;
-    EXPECT_EQ(many.depth_d24, one.depth_d24) << count;
-    EXPECT_EQ(many.cost.alu_words, one.cost.alu_words) << count;
-    EXPECT_EQ(many.cost.overdraw, one.cost.overdraw) << count;
-    EXPECT_EQ(many.cost.helpers, one.cost.helpers) << count;
-    EXPECT_EQ(many.cost.path, one.cost.path) << count;
+  for (const int msaa : {1, 4}) {
+    FrameOptions options = small(131, 70);
+    options.msaa = msaa;
+    host::set_thread_count(1);
+    const Frame one = render_frame(scene, options);
+    for (const int count : {2, 3, 7, 16, 64}) {
+      host::set_thread_count(count);
+      if (count == 16) set_option(options, "no-skip", "all");
+      const Frame many = render_frame(scene, options);
+      EXPECT_EQ(many.rgba8, one.rgba8) << count;
+      EXPECT_EQ(many.linear, one.linear) << count;
+      EXPECT_EQ(many.depth_d24, one.depth_d24) << count;
+      EXPECT_EQ(many.cost.alu_words, one.cost.alu_words) << count;
+      EXPECT_EQ(many.cost.overdraw, one.cost.overdraw) << count;
+      EXPECT_EQ(many.cost.helpers, one.cost.helpers) << count;
+      EXPECT_EQ(many.cost.path, one.cost.path) << count;
+    }
   }
   host::set_thread_count(threads);
 }

@@ -7,23 +7,16 @@ namespace aluminate::passes {
 namespace {
 
 TEST(Options, EveryListedNameCanBeSet) {
-  const std::vector<std::pair<std::string, std::string>> examples = {{"size", "64x48"},
-                                                                     {"camera", "inside"},
-                                                                     {"lights", "rig:3"},
-                                                                     {"ambient", "flat:0.1"},
-                                                                     {"background", "0,0.5,1"},
-                                                                     {"pipeline", "forward"},
-                                                                     {"visibility", "cheap"},
-                                                                     {"fresnel", "sg"},
-                                                                     {"tonemap", "reinhard"},
-                                                                     {"number", "fx28"},
-                                                                     {"platform", "rsx"},
-                                                                     {"shader", "a.hlsl"},
-                                                                     {"light-loop", "rolled"},
-                                                                     {"vm", "interpreter"},
-                                                                     {"no-skip", "facing"},
-                                                                     {"checked", "true"},
-                                                                     {"D", "A=1"}};
+  const std::vector<std::pair<std::string, std::string>> examples = {
+      {"size", "64x48"},       {"msaa", "4"},
+      {"camera", "inside"},    {"lights", "rig:3"},
+      {"ambient", "flat:0.1"}, {"background", "0,0.5,1"},
+      {"pipeline", "forward"}, {"visibility", "cheap"},
+      {"fresnel", "sg"},       {"tonemap", "reinhard"},
+      {"number", "fx28"},      {"platform", "rsx"},
+      {"shader", "a.hlsl"},    {"light-loop", "rolled"},
+      {"vm", "interpreter"},   {"no-skip", "facing"},
+      {"checked", "true"},     {"D", "A=1"}};
   ASSERT_EQ(examples.size(), option_table().size());
   for (std::size_t i = 0; i < examples.size(); ++i) {
     EXPECT_EQ(option_table()[i].name, examples[i].first);

@@ -35,7 +35,7 @@ Draw& Geometry::end_draw(CullMode cull, DrawClass draw_class, bool depth_write) 
   return draws.emplace_back(draw);
 }
 
-FrameInput Geometry::input(SkipSet skips) const { return {viewport, {x, y, z, w}, indices, draws, skips}; }
+FrameInput Geometry::input(SkipSet skips) const { return {viewport, {x, y, z, w}, indices, draws, skips, samples}; }
 
 bool survives(std::uint32_t sequence, int x, int y) {
   std::uint32_t h = sequence * 0x9e3779b1u ^ static_cast<std::uint32_t>(x) * 0x85ebca6bu ^ static_cast<std::uint32_t>(y) * 0xc2b2ae35u;
@@ -48,11 +48,14 @@ namespace {
 
 std::uint32_t blend(std::uint32_t colour, std::uint32_t sequence) { return colour * 31 + sequence + 1; }
 
+// One worker's. Tiles touch pixels of their own, so all may write to one picture.
 class Recorder : public BillSink, public QuadShader {
  public:
   Recorder(const Frame& frame, Picture& picture) : frame_(frame), picture_(picture) {
     for (const Draw& draw : frame.draws()) start_.push_back(start_.empty() ? 0 : start_.back() + last_), last_ = draw.triangle_count;
+    billed_per_draw_.assign(frame.draws().size(), 0);
   }
+  const std::vector<std::uint64_t>& billed_per_draw() const { return billed_per_draw_; }
   void begin(int tile) { origin_ = tile_origin(frame_.viewport(), tile); }
 
   std::uint32_t sequence(TriangleId id) const {
@@ -63,7 +66,7 @@ class Recorder : public BillSink, public QuadShader {
   void billed(std::span<const BilledStamp> stamps) override {
     ReferenceImage& image = picture_.planes;
     for_each_billed_quad(stamps, [&](std::uint32_t draw, int x, int y, unsigned lanes) {
-      image.billed_per_draw[draw] += 4;
+      billed_per_draw_[draw] += 4;
       for (int lane = 0; lane < 4; ++lane) {
         const int px = origin_.x + x + (lane & 1), py = origin_.y + y + (lane >> 1);
         if (px >= image.width || py >= image.height) continue;
@@ -81,7 +84,11 @@ class Recorder : public BillSink, public QuadShader {
         const int px = batch.x[q] + static_cast<int>(lane & 1), py = batch.y[q] + static_cast<int>(lane >> 1);
         if (!survives(id, px, py)) continue;
         kept |= std::uint64_t{1} << (4 * q + lane);
-        picture_.colour[at(px, py)] = blend(picture_.colour[at(px, py)], id);
+        for (int sample = 0; sample < frame_.samples(); ++sample)
+          if (batch.visible_samples[static_cast<std::size_t>(sample)] >> (4 * q + lane) & 1) {
+            std::uint32_t& colour = picture_.colour[at(px, py) * static_cast<std::size_t>(frame_.samples()) + static_cast<std::size_t>(sample)];
+            colour = blend(colour, id);
+          }
       }
     }
     return kept;
@@ -95,21 +102,24 @@ class Recorder : public BillSink, public QuadShader {
   Picture& picture_;
   TileOrigin origin_{};
   std::vector<std::uint32_t> start_;
+  std::vector<std::uint64_t> billed_per_draw_;
   std::uint32_t last_ = 0;
 };
 
-Picture blank(const Viewport& viewport, std::size_t draws) {
+Picture blank(const Geometry& geometry) {
   Picture picture;
   ReferenceImage& image = picture.planes;
-  image.width = viewport.width;
-  image.height = viewport.height;
-  const std::size_t pixels = static_cast<std::size_t>(viewport.width) * static_cast<std::size_t>(viewport.height);
-  image.visibility.assign(pixels, kNoTriangle);
-  image.depth.assign(pixels, kDepthMax);
+  image.width = geometry.viewport.width;
+  image.height = geometry.viewport.height;
+  image.samples = geometry.samples;
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  const std::size_t samples = pixels * static_cast<std::size_t>(image.samples);
+  image.visibility.assign(samples, kNoTriangle);
+  image.depth.assign(samples, kDepthMax);
   image.covered.assign(pixels, 0);
   image.helpers.assign(pixels, 0);
-  image.billed_per_draw.assign(draws, 0);
-  picture.colour.assign(pixels, 0);
+  image.billed_per_draw.assign(geometry.draws.size(), 0);
+  picture.colour.assign(samples, 0);
   return picture;
 }
 
@@ -117,39 +127,58 @@ Picture blank(const Viewport& viewport, std::size_t draws) {
 
 Picture draw_candidate(const Geometry& geometry, const CandidateOptions& options) {
   Frame frame;
-  frame.set_up(geometry.input(options.skips), options.setup_threads);
-  Picture picture = blank(geometry.viewport, geometry.draws.size());
+  frame.set_up(geometry.input(options.skips), options.threads);
+  Picture picture = blank(geometry);
   ReferenceImage& image = picture.planes;
-  Recorder recorder(frame, picture);
   std::vector<std::uint32_t> order(frame.tile_order().begin(), frame.tile_order().end());
   if (options.tile_order_seed != 0) std::shuffle(order.begin(), order.end(), std::mt19937(options.tile_order_seed));
 
-  TileRasterizer tiles(frame, {options.bill, options.skips});
-  std::vector<VisibleQuad> quads;
-  for (const std::uint32_t tile : order) {
-    tiles.begin(static_cast<int>(tile));
-    recorder.begin(static_cast<int>(tile));
-    tiles.draw_opaque(options.with_bill ? &recorder : nullptr);
+  struct Worker {
+    TileRasterizer tiles;
+    Recorder recorder;
+    std::vector<VisibleQuad> quads;
+  };
+  std::vector<Worker> workers;
+  for (int i = 0; i < options.threads.workers; ++i) workers.push_back({TileRasterizer(frame, {options.bill, options.skips}), Recorder(frame, picture), {}});
+  options.threads.run(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int number) {
+    auto& [tiles, recorder, quads] = workers[static_cast<std::size_t>(number)];
+    const int tile = static_cast<int>(order[static_cast<std::size_t>(i)]);
+    BillSink* const bill = options.with_bill ? &recorder : nullptr;
+    tiles.begin(tile);
+    recorder.begin(tile);
+    tiles.draw_opaque(bill);
     gather_visible_quads(frame, tiles.view(), quads);
     for (const VisibleQuad& quad : quads)
-      for (int lane = 0; lane < 4; ++lane)
-        if (quad.lanes >> lane & 1)
-          image.visibility[static_cast<std::size_t>(quad.y + (lane >> 1)) * static_cast<std::size_t>(image.width) +
-                           static_cast<std::size_t>(quad.x + (lane & 1))] = recorder.sequence(quad.triangle);
-    tiles.draw_in_order(recorder, options.with_bill ? &recorder : nullptr);
-    store_depth(tiles.view(), image.depth, image.width);
-  }
+      for (int bit = 0; bit < 4 * image.samples; ++bit)
+        if (quad.samples >> bit & 1) {
+          const int px = quad.x + (bit & 1), py = quad.y + (bit >> 1 & 1), sample = bit >> 2;
+          image.visibility[static_cast<std::size_t>((py * image.width + px) * image.samples + sample)] = recorder.sequence(quad.triangle);
+        }
+    tiles.draw_in_order(recorder, bill);
+    const TileView view = tiles.view();
+    for (int y = 0; y < view.height; ++y)
+      for (int x = 0; x < view.width; ++x)
+        for (int sample = 0; sample < image.samples; ++sample)
+          image.depth[static_cast<std::size_t>(((view.origin.y + y) * image.width + view.origin.x + x) * image.samples + sample)] =
+              view.depth[static_cast<std::size_t>(view.element(x, y, sample))];
+  });
   picture.setup = frame.counters();
-  picture.tiles = tiles.counters();
+  for (const Worker& worker : workers) {
+    picture.tiles += worker.tiles.counters();
+    for (std::size_t draw = 0; draw < image.billed_per_draw.size(); ++draw) image.billed_per_draw[draw] += worker.recorder.billed_per_draw()[draw];
+  }
   return picture;
 }
 
 Picture draw_expected(const Geometry& geometry, const BillRule& bill) {
-  Picture picture = blank(geometry.viewport, geometry.draws.size());
-  const auto shade = [&picture, &geometry](std::uint32_t, std::uint32_t sequence, int x, int y) {
+  Picture picture = blank(geometry);
+  const auto shade = [&picture, &geometry](std::uint32_t, std::uint32_t sequence, int x, int y, unsigned samples) {
     if (!survives(sequence, x, y)) return false;
-    std::uint32_t& colour = picture.colour[static_cast<std::size_t>(y) * static_cast<std::size_t>(geometry.viewport.width) + static_cast<std::size_t>(x)];
-    colour = blend(colour, sequence);
+    for (int sample = 0; sample < geometry.samples; ++sample)
+      if (samples >> sample & 1) {
+        std::uint32_t& colour = picture.colour[static_cast<std::size_t>((y * geometry.viewport.width + x) * geometry.samples + sample)];
+        colour = blend(colour, sequence);
+      }
     return true;
   };
   picture.planes = draw_reference(geometry.input(), bill, shade);
@@ -160,10 +189,11 @@ std::string difference(const Picture& candidate, const Picture& expected) {
   const auto compare = [&](const char* plane, const std::vector<std::uint32_t>& got, const std::vector<std::uint32_t>& want) -> std::string {
     if (got == want) return {};
     const auto [g, e] = std::mismatch(got.begin(), got.end(), want.begin());
-    const std::size_t pixel = static_cast<std::size_t>(g - got.begin()), width = static_cast<std::size_t>(candidate.planes.width);
+    const std::size_t width = static_cast<std::size_t>(candidate.planes.width), pixels = width * static_cast<std::size_t>(candidate.planes.height);
+    const std::size_t element = static_cast<std::size_t>(g - got.begin()), samples = got.size() / pixels, pixel = element / samples;
     std::size_t count = 0;
     for (std::size_t i = 0; i < got.size(); ++i) count += got[i] != want[i];
-    return fmt::format("{} differs at {} pixels, first ({}, {}): {} ({:#x}), expected {} ({:#x})", plane, count, pixel % width, pixel / width, *g, *g, *e, *e);
+    return fmt::format("{} differs at {} samples, first ({}, {}) sample {}: {} ({:#x}), expected {} ({:#x})", plane, count, pixel % width, pixel / width, element % samples, *g, *g, *e, *e);
   };
   std::string text = compare("visibility", candidate.planes.visibility, expected.planes.visibility);
   if (text.empty()) text = compare("depth", candidate.planes.depth, expected.planes.depth);

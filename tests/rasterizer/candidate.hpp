@@ -18,6 +18,7 @@ struct Geometry {
   std::vector<double> x, y, z, w;
   std::vector<std::uint32_t> indices;
   std::vector<Draw> draws;
+  int samples = 1;
 
   std::uint32_t add_vertex(double vx, double vy, double vz, double vw);
   /// Vertex at pixel (px, py) and depth z in [0, 1], w as given.
@@ -31,7 +32,7 @@ struct Geometry {
 struct CandidateOptions {
   BillRule bill{};
   SkipSet skips{};
-  ParallelFor setup_threads = serial();
+  ParallelFor threads = serial();     // for set-up and tiles
   std::uint32_t tile_order_seed = 0;  // 0 = as the frame suggests, otherwise shuffled
   bool with_bill = true;
 };
@@ -39,7 +40,7 @@ struct CandidateOptions {
 /// What both sides produce: the oracle's planes plus an order-dependent colour of in-order survivors.
 struct Picture {
   ReferenceImage planes;
-  std::vector<std::uint32_t> colour;
+  std::vector<std::uint32_t> colour;  // by sample
   SetupCounters setup;
   TileCounters tiles;
 };

@@ -31,28 +31,32 @@ std::string run_case(const SuiteCase& test, std::uint32_t seed, Picture& expecte
   const Picture candidate = draw_candidate(test.geometry, options);
   if (std::string text = difference(candidate, expected); !text.empty()) return text;
   const ReferenceImage& image = expected.planes;
-  for (std::size_t pixel = 0; pixel < image.hits.size(); ++pixel) {
-    const std::uint32_t hits = image.hits[pixel];
-    if ((test.every_pixel_once && hits != 1) || (test.every_pixel_covered && hits == 0))
-      return fmt::format("pixel ({}, {}) is covered {} times", pixel % static_cast<std::size_t>(image.width), pixel / static_cast<std::size_t>(image.width), hits);
+  const auto samples = static_cast<std::size_t>(image.samples);
+  for (std::size_t element = 0; element < image.hits.size(); ++element) {
+    const std::size_t pixel = element / samples;
+    const std::uint32_t hits = image.hits[element];
+    if ((test.every_sample_once && hits != 1) || (test.every_sample_covered && hits == 0))
+      return fmt::format("pixel ({}, {}) sample {} is covered {} times", pixel % static_cast<std::size_t>(image.width), pixel / static_cast<std::size_t>(image.width),
+                         element % samples, hits);
   }
   return {};
 }
 
-int run_suite(const Suite& suite, std::uint32_t low, std::uint32_t high) {
+int run_suite(const Suite& suite, int samples, std::uint32_t low, std::uint32_t high) {
   std::uint64_t fragments = 0;
   bool varied = false;
   for (std::uint32_t seed = low; seed < high; ++seed) {
-    const SuiteCase test = suite.make(seed);
+    SuiteCase test = suite.make(seed);
+    use_samples(test, samples, seed);
     Picture expected;
     if (const std::string text = run_case(test, seed, expected); !text.empty()) {
-      fmt::print("FAIL {} --range {} {}: {}\n", suite.name, seed, seed + 1, text);
+      fmt::print("FAIL {} --samples {} --range {} {}: {}\n", suite.name, samples, seed, seed + 1, text);
       return 1;
     }
     std::uint64_t drawn = 0;
     for (const std::uint32_t hits : expected.planes.hits) drawn += hits;
     if (drawn == 0 && !test.may_be_empty) {
-      fmt::print("FAIL {} --range {} {}: nothing was drawn, the case proves nothing\n", suite.name, seed, seed + 1);
+      fmt::print("FAIL {} --samples {} --range {} {}: nothing was drawn, the case proves nothing\n", suite.name, samples, seed, seed + 1);
       return 1;
     }
     fragments += drawn;
@@ -62,7 +66,7 @@ int run_suite(const Suite& suite, std::uint32_t low, std::uint32_t high) {
     fmt::print("FAIL {}: {}, the suite proves nothing\n", suite.name, fragments == 0 ? "nothing was drawn" : "every image is constant");
     return 1;
   }
-  fmt::print("ok   {:<22} seeds {}..{}, {} fragments\n", suite.name, low, high, fragments);
+  fmt::print("ok   {:<22} {}x seeds {}..{}, {} fragments\n", suite.name, samples, low, high, fragments);
   return 0;
 }
 
@@ -73,10 +77,12 @@ int main(int argc, char** argv) {
   std::vector<std::string> names, globs;
   std::vector<std::uint32_t> range{0, 20};
   std::string unit;
+  int samples = 1;
   bool list = false;
   app.add_option("--suite", names, "run this suite");
   app.add_option("--suite-glob", globs, "run the suites whose names match");
   app.add_option("--range", range, "seeds: first, one past the last")->expected(2);
+  app.add_option("--samples", samples, "samples a pixel, 1 or 4")->check(CLI::IsMember({1, 4}));
   app.add_option("--vector-unit", unit, "use this vector unit (default: the best one)");
   app.add_flag("--list", list, "list the suites");
   CLI11_PARSE(app, argc, argv);
@@ -96,7 +102,7 @@ int main(int argc, char** argv) {
                         std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return fnmatch(glob.c_str(), name.c_str(), 0) == 0; });
     if (!wanted) continue;
     ++matched;
-    failures += run_suite(suite, range[0], range[1]);
+    failures += run_suite(suite, samples, range[0], range[1]);
   }
   if (matched == 0) {
     fmt::print("no suite matches; --list names them\n");

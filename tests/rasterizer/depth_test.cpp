@@ -16,7 +16,7 @@ __extension__ using Wide = __int128;
 std::uint32_t depth_of_pixel(const SetupTriangle& t, int x, int y) {
   const TileOrigin tile{x & ~(kTilePx - 1), y & ~(kTilePx - 1)};
   const DepthSteps s = depth_steps(t, tile);
-  const std::uint32_t lanes = depth_anchor(s, (x - tile.x) & ~3, (y - tile.y) & ~3) + s.lane_x * static_cast<std::uint32_t>(x & 3) + s.lane_y * static_cast<std::uint32_t>(y & 3);
+  const std::uint32_t lanes = anchor_of(centre_plane(s, (x - tile.x) & ~3, (y - tile.y) & ~3)) + s.lane_x * static_cast<std::uint32_t>(x & 3) + s.lane_y * static_cast<std::uint32_t>(y & 3);
   return static_cast<std::uint32_t>(std::clamp(static_cast<std::int32_t>(lanes) >> kStampDepthBits, s.z_min, s.z_max));
 }
 
@@ -60,7 +60,7 @@ TEST(Depth, IsWithinItsBoundOfTheExactPlane) {
     const SetupTriangle t = make(v[0], v[1], v[2]);
     for (int y = 0; y < 200; y += 3)
       for (int x = 0; x < 200; x += 3)
-        if (covers_pixel(t, x, y)) {
+        if (covers_pixel<1>(t, x, y)) {
           const double error = std::fabs(depth_error(t, x, y));
           worst = std::max(worst, error);
           ASSERT_LE(error, kBound) << "triangle " << i << " at " << x << ", " << y;

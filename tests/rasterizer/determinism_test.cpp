@@ -58,14 +58,30 @@ Geometry busy_frame() {
 constexpr BillRule kRules[] = {{BillRule::Kind::Everything, 4}, {BillRule::Kind::Hierarchical, 4}, {BillRule::Kind::Hierarchical, 8},
                                {BillRule::Kind::Hierarchical, 16}, {BillRule::Kind::PerPixel, 4}};
 
-TEST(Determinism, ThreadCountAndTileOrderDoNotMatter) {
-  const Geometry g = busy_frame();
+class Samples : public testing::TestWithParam<int> {
+ protected:
+  static Geometry frame() {
+    Geometry g = busy_frame();
+    g.samples = GetParam();
+    return g;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Samples, Samples, testing::Values(1, 4), [](const auto& count) { return std::to_string(count.param) + "x"; });
+
+TEST_P(Samples, ThreadCountAndTileOrderDoNotMatter) {
+  const Geometry g = frame();
   const Picture expected = draw_expected(g, {});
-  for (const int n : {1, 2, 3, 7, 64}) {
+  SetupCounters setup;
+  TileCounters tiles;
+  for (const int n : {1, 2, 3, 7, 16, 64}) {
     CandidateOptions options;
-    options.setup_threads = threads(n);
+    options.threads = threads(n);
     options.tile_order_seed = static_cast<std::uint32_t>(n);
-    EXPECT_EQ(difference(draw_candidate(g, options), expected), "") << n << " threads";
+    const Picture picture = draw_candidate(g, options);
+    EXPECT_EQ(difference(picture, expected), "") << n << " threads";
+    if (n == 1) setup = picture.setup, tiles = picture.tiles;
+    EXPECT_EQ(picture.setup, setup) << n << " threads";
+    EXPECT_EQ(picture.tiles, tiles) << n << " threads";
   }
 }
 
@@ -81,13 +97,13 @@ TEST(Determinism, AFrameCanBeReusedForAnotherViewport) {
   for (int tile = 0; tile < small.viewport.tile_count(); ++tile) {
     ASSERT_EQ(reused.tile_runs(tile).size(), fresh.tile_runs(tile).size());
     for (std::size_t run = 0; run < fresh.tile_runs(tile).size(); ++run)
-      ASSERT_TRUE(std::equal(reused.tile_runs(tile)[run].begin(), reused.tile_runs(tile)[run].end(), fresh.tile_runs(tile)[run].begin(),
-                             fresh.tile_runs(tile)[run].end(), [](const SetupTriangle& a, const SetupTriangle& b) { return a.id == b.id && a.z_min == b.z_min; }));
+      ASSERT_TRUE(std::ranges::equal(reused.tile_runs(tile)[run].records, fresh.tile_runs(tile)[run].records,
+                                     [](const SetupTriangle& a, const SetupTriangle& b) { return a.id == b.id && a.z_min == b.z_min; }));
   }
 }
 
-TEST(Skips, AnyOfThemOffLeavesPictureAndBillAlone) {
-  const Geometry g = busy_frame();
+TEST_P(Samples, AnySkipOffLeavesPictureAndBillAlone) {
+  const Geometry g = frame();
   for (const BillRule& rule : kRules) {
     const Picture expected = draw_expected(g, rule);
     for (std::size_t skip = 0; skip <= kSkipNames.size(); ++skip) {
@@ -117,9 +133,39 @@ TEST(Skips, EachOneSavesWorkAndCountsIt) {
   EXPECT_GT(on.tiles.tile_hiz + on.tiles.block_hiz, 0u);
   EXPECT_GT(on.tiles.block_hiz, 0u);
   EXPECT_GT(on.tiles.early_z, 0u);
-  EXPECT_EQ(off.setup.facing + off.setup.small + off.tiles.tile_hiz + off.tiles.block_hiz + off.tiles.early_z, 0u);
+  EXPECT_EQ(off.setup.facing + off.setup.small + off.tiles.tile_hiz + off.tiles.block_hiz + off.tiles.early_z + off.tiles.occluded, 0u);
   EXPECT_GT(off.setup.bin_entries, on.setup.bin_entries);
   EXPECT_GT(off.tiles.quads_shaded, on.tiles.quads_shaded);
+}
+
+TEST(Skips, RunsBehindEverythingAreNotRead) {
+  // A near wall, then a mesh of many chunks behind it.
+  for (const int samples : {1, 4}) {
+    Geometry g;
+    g.viewport = {128, 128};
+    g.samples = samples;
+    const auto rectangle = [&g](double x0, double y0, double x1, double y1, double depth) {
+      const std::uint32_t a = g.add_pixel_vertex(x0, y0, depth), b = g.add_pixel_vertex(x1, y0, depth), c = g.add_pixel_vertex(x0, y1, depth), d = g.add_pixel_vertex(x1, y1, depth);
+      g.add_triangle(a, b, c);
+      g.add_triangle(b, d, c);
+    };
+    rectangle(0, 0, 128, 128, 0.25);
+    g.end_draw();
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) rectangle(2 * x, 2 * y, 2 * x + 2, 2 * y + 2, 0.5);
+    g.end_draw();
+    rectangle(10, 10, 20, 20, 0.75);
+    g.end_draw(CullMode::None, DrawClass::InOrder, false);
+    const Picture expected = draw_expected(g, {}), on = draw_candidate(g, {});
+    CandidateOptions options;
+    options.skips.disable(Skip::Occluded);
+    const Picture off = draw_candidate(g, options);
+    EXPECT_EQ(difference(on, expected), "");
+    EXPECT_EQ(difference(off, expected), "");
+    EXPECT_EQ(off.tiles.occluded, 0u);
+    EXPECT_GT(on.tiles.occluded, 7000u);  // all but those in the chunk of the wall
+    EXPECT_EQ(on.tiles.occluded + on.tiles.tile_hiz, off.tiles.tile_hiz);
+  }
 }
 
 TEST(Bill, NoSinkMeansNoBillAndTheSamePicture) {

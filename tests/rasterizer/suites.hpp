@@ -12,9 +12,9 @@ namespace aluminate::raster::test {
 struct SuiteCase {
   Geometry geometry;
   BillRule bill{};
-  bool every_pixel_once = false;    // a closed partition of the viewport: each pixel is covered by exactly one triangle
-  bool every_pixel_covered = false; // no background anywhere
-  bool may_be_empty = false;        // nothing drawn is a legal outcome
+  bool every_sample_once = false;    // a closed partition of the viewport: each sample is covered by exactly one triangle
+  bool every_sample_covered = false; // no background anywhere
+  bool may_be_empty = false;         // nothing drawn is a legal outcome
 };
 
 struct Suite {
@@ -23,5 +23,8 @@ struct Suite {
 };
 
 std::span<const Suite> suites();
+
+/// The same case with this many samples a pixel.
+void use_samples(SuiteCase& test, int samples, std::uint32_t seed);
 
 }  // namespace aluminate::raster::test

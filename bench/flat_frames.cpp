@@ -1,0 +1,243 @@
+// Whole frames drawn flat, to be timed beside another renderer in the same run: vertex transform, set-up,
+// tiles, colour into a row-major RGBA8 picture; no shader VM and no bill. Scenes: synth:grid:N (N x N quads
+// that fill the picture once), synth:fill:K (K full-screen quads, back to front) or a glTF file seen from
+// outside. Prints one line of JSON.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "platform/host/error.hpp"
+#include "platform/host/image_file.hpp"
+#include "platform/host/parallel.hpp"
+#include "rasterizer/frame.hpp"
+#include "rasterizer/tile.hpp"
+#include "scenes/loader.hpp"
+#include "scenes/view.hpp"
+
+using namespace aluminate;
+
+namespace {
+
+constexpr std::uint32_t kBackground = 0xff140f0du, kSurface = 0xff668099u;
+
+struct Model {
+  std::vector<float> x, y, z;  // as another renderer keeps them: binary32
+  std::vector<std::uint32_t> indices;
+  std::vector<raster::Draw> draws;
+  glm::dmat4 to_clip{1};
+
+  std::uint32_t vertex(double px, double py, double pz) {
+    x.push_back(static_cast<float>(px));
+    y.push_back(static_cast<float>(py));
+    z.push_back(static_cast<float>(pz));
+    return static_cast<std::uint32_t>(x.size() - 1);
+  }
+  void end_draw(raster::CullMode cull) {
+    const std::uint32_t first =
+        draws.empty() ? 0 : draws.back().first_index + 3 * draws.back().triangle_count;
+    draws.push_back({.first_index = first,
+                     .triangle_count = (static_cast<std::uint32_t>(indices.size()) - first) / 3,
+                     .cull = cull});
+  }
+};
+
+Model grid(int n) {
+  Model m;
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) m.vertex(2.0 * x / n - 1, 2.0 * y / n - 1, 0.5);
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const auto b = static_cast<std::uint32_t>(y * (n + 1) + x), up = b + static_cast<std::uint32_t>(n) + 1;
+      m.indices.insert(m.indices.end(), {b, b + 1, up + 1, b, up + 1, up});
+    }
+  m.end_draw(raster::CullMode::Back);
+  return m;
+}
+
+Model layers(int count) {
+  Model m;
+  for (int i = 0; i < count; ++i) {
+    const double z = 0.95 - 0.9 * (i + 0.5) / count;
+    const std::uint32_t b = m.vertex(-1, -1, z);
+    m.vertex(1, -1, z);
+    m.vertex(1, 1, z);
+    m.vertex(-1, 1, z);
+    m.indices.insert(m.indices.end(), {b, b + 1, b + 2, b, b + 2, b + 3});
+  }
+  m.end_draw(raster::CullMode::Back);
+  return m;
+}
+
+Model from_file(const std::string& path, const std::string& camera, double aspect) {
+  const scenes::Scene scene = scenes::load_scene(path);
+  const scenes::NormalisedSpace space = scenes::normalised_space(scene);
+  Model m;
+  m.to_clip = scenes::make_view(scene, space, scenes::parse_camera(camera), aspect).world_to_clip();
+  for (const scenes::Mesh& mesh : scene.meshes) {
+    const auto first = static_cast<std::uint32_t>(m.x.size());
+    for (const glm::dvec3& position : mesh.positions) {
+      const glm::dvec3 p = space.point(position);
+      m.vertex(p.x, p.y, p.z);
+    }
+    for (const std::uint32_t index : mesh.indices) m.indices.push_back(first + index);
+    m.end_draw(scene.materials[static_cast<std::size_t>(mesh.material)].double_sided
+                   ? raster::CullMode::None
+                   : raster::CullMode::Back);
+  }
+  return m;
+}
+
+class Renderer {
+ public:
+  Renderer(const Model& model, raster::Viewport viewport, int samples)
+      : model_(model), viewport_(viewport), samples_(samples) {
+    for (std::vector<double>* component : {&x_, &y_, &z_, &w_}) component->resize(model.x.size());
+    picture_.resize(static_cast<std::size_t>(viewport.width) * static_cast<std::size_t>(viewport.height));
+  }
+
+  void draw(const raster::ParallelFor& parallel) {
+    constexpr std::size_t kBatch = 4096;
+    const std::size_t vertices = model_.x.size();
+    parallel.run(static_cast<std::int64_t>((vertices + kBatch - 1) / kBatch), [&](std::int64_t batch, int) {
+      const std::size_t first = static_cast<std::size_t>(batch) * kBatch;
+      transform(first, std::min(first + kBatch, vertices));
+    });
+    frame_.set_up({viewport_, {x_, y_, z_, w_}, model_.indices, model_.draws, {}, samples_}, parallel);
+    while (tiles_.size() < static_cast<std::size_t>(parallel.workers))
+      tiles_.emplace_back(frame_, raster::TileOptions{});
+    const auto order = frame_.tile_order();
+    if (order.size() != static_cast<std::size_t>(viewport_.tile_count()))
+      std::fill(picture_.begin(), picture_.end(), kBackground);
+    parallel.run(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int worker) {
+      raster::TileRasterizer& tile = tiles_[static_cast<std::size_t>(worker)];
+      tile.begin(static_cast<int>(order[static_cast<std::size_t>(i)]));
+      tile.draw_opaque(nullptr);
+      store(tile.view());
+    });
+  }
+  const std::vector<std::uint32_t>& picture() const { return picture_; }
+
+ private:
+  void transform(std::size_t first, std::size_t last) {
+    const glm::dmat4& m = model_.to_clip;
+    for (std::size_t i = first; i < last; ++i) {
+      const double px = double{model_.x[i]}, py = double{model_.y[i]}, pz = double{model_.z[i]};
+      x_[i] = m[0][0] * px + m[1][0] * py + m[2][0] * pz + m[3][0];
+      y_[i] = m[0][1] * px + m[1][1] * py + m[2][1] * pz + m[3][1];
+      z_[i] = m[0][2] * px + m[1][2] * py + m[2][2] * pz + m[3][2];
+      w_[i] = m[0][3] * px + m[1][3] * py + m[2][3] * pz + m[3][3];
+    }
+  }
+
+  /// Every surface has one colour, so a pixel's colour is how many of its samples are covered.
+  static std::uint32_t mix(int covered, int samples) {
+    std::uint32_t color = 0;
+    for (int shift = 0; shift < 32; shift += 8) {
+      const int back = static_cast<int>(kBackground >> shift & 0xff),
+                front = static_cast<int>(kSurface >> shift & 0xff);
+      color |=
+          static_cast<std::uint32_t>((covered * front + (samples - covered) * back + samples / 2) / samples)
+          << shift;
+    }
+    return color;
+  }
+
+  void store(const raster::TileView& view) {
+    const auto width = static_cast<std::size_t>(viewport_.width);
+    std::uint32_t table[raster::kMaxSamples + 1];
+    for (int n = 0; n <= samples_; ++n) table[n] = mix(n, samples_);
+    for (int stamp = 0; stamp < raster::kStampsPerTile; ++stamp) {
+      const int x = raster::stamp_x(stamp), y = raster::stamp_y(stamp);
+      if (x >= view.width || y >= view.height) continue;
+      const raster::TriangleId* id = view.visibility.data() + stamp * samples_ * 16;
+      alignas(64) std::uint32_t color[16];
+      if (samples_ == 1) {
+        for (int lane = 0; lane < 16; ++lane)
+          color[lane] = id[lane] == raster::kNoTriangle ? kBackground : kSurface;
+      } else {
+        for (int lane = 0; lane < 16; ++lane) {
+          int covered = 0;
+          for (int s = 0; s < samples_; ++s) covered += id[16 * s + lane] != raster::kNoTriangle;
+          color[lane] = table[covered];
+        }
+      }
+      for (int row = 0; row < std::min(4, view.height - y); ++row)
+        for (int pair = 0; pair < 2; ++pair) {
+          const int column = x + 2 * pair;
+          if (column >= view.width) continue;
+          std::uint32_t* to = &picture_[static_cast<std::size_t>(view.origin.y + y + row) * width +
+                                        static_cast<std::size_t>(view.origin.x + column)];
+          const std::uint32_t* from = color + raster::lane_of(2 * pair, row);
+          std::memcpy(to, from, column + 1 < view.width ? 8 : 4);
+        }
+    }
+  }
+
+  const Model& model_;
+  raster::Viewport viewport_;
+  int samples_;
+  std::vector<double> x_, y_, z_, w_;
+  raster::Frame frame_;
+  std::vector<raster::TileRasterizer> tiles_;
+  std::vector<std::uint32_t> picture_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"frames drawn flat, for comparison with other renderers"};
+  std::string scene, out, camera = "outside";
+  int width = 1280, height = 720, frames = 20, threads = 1, samples = 1;
+  app.add_option("--scene", scene, "synth:grid:N, synth:fill:K or a glTF file")->required();
+  app.add_option("--width", width);
+  app.add_option("--height", height);
+  app.add_option("--frames", frames);
+  app.add_option("--threads", threads);
+  app.add_option("--msaa", samples)->check(CLI::IsMember({1, 4}));
+  app.add_option("--camera", camera);
+  app.add_option("-o", out, "the last frame as PNG");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const auto synthetic = [&](const std::string& kind) {
+      return scene.rfind("synth:" + kind + ":", 0) == 0;
+    };
+    const auto count = [&] { return std::stoi(scene.substr(scene.rfind(':') + 1)); };
+    const Model model = synthetic("grid")   ? grid(count())
+                        : synthetic("fill") ? layers(count())
+                                            : from_file(scene, camera, static_cast<double>(width) / height);
+    host::set_thread_count(threads);
+    const raster::ParallelFor parallel = threads == 1 ? raster::serial() : raster::host_threads();
+    Renderer renderer(model, {width, height}, samples);
+    std::vector<double> ms;
+    for (int i = 0; i < frames + 3; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      renderer.draw(parallel);
+      if (i >= 3)
+        ms.push_back(
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
+    std::sort(ms.begin(), ms.end());
+    const std::size_t covered =
+        static_cast<std::size_t>(std::count_if(renderer.picture().begin(), renderer.picture().end(),
+                                               [](std::uint32_t c) { return c != kBackground; }));
+    fmt::print(
+        "{{\"scene\":\"{}\",\"threads\":{},\"samples\":{},\"triangles\":{},\"vertices\":{},\"covered_"
+        "pixels\":{},\"ms_min\":{:.3f},\"ms_median\":{:.3f}}}\n",
+        scene, threads, samples, model.indices.size() / 3, model.x.size(), covered, ms.front(),
+        ms[ms.size() / 2]);
+    if (!out.empty()) {
+      host::Image8 image{width, height, 4, std::vector<std::uint8_t>(renderer.picture().size() * 4)};
+      std::memcpy(image.texels.data(), renderer.picture().data(), image.texels.size());
+      host::write_png(out, image);
+    }
+  } catch (const UserError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+  return 0;
+}
