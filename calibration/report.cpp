@@ -268,23 +268,27 @@ std::vector<std::uint8_t> report_png(const Calibration& calibration, const Repor
             diagram_height = static_cast<int>(kDiagramHeight * kDiagramPx);
   // Two columns, two rows: photograph and albedo over plausibility and chromaticity; sentences at the bottom.
   const host::Image8& first = pictures.before;
-  const int left = kMargin, right = first.width + 2 * kMargin, top = kMargin + kTitle,
+  static constexpr std::array<const char*, 4> kTitles{
+      "photograph; green: sampled, red: not used", "albedo",
+      "magenta: brighter, cyan: darker than materials are",
+      "xy; orange: photograph to reference, blue: what remains"};
+  int column = std::max(first.width, diagram_width);
+  for (const char* title : kTitles) column = std::max(column, host::text_width(title, kTextPx));
+  const int left = kMargin, right = column + 2 * kMargin, top = kMargin + kTitle,
             below = top + first.height + kMargin + kTitle;
   std::vector<std::string> lines{verdict_line(calibration)};
   for (const std::string& warning : calibration.warnings) lines.push_back("warning: " + warning);
   const int text_top = below + std::max(first.height, diagram_height) + kMargin;
-  host::Image8 page{right + std::max(first.width, diagram_width) + kMargin,
-                    text_top + static_cast<int>(lines.size()) * kLinePx + kMargin,
-                    3,
-                    {}};
+  int width = right + column + kMargin;
+  for (const std::string& line : lines)
+    width = std::max(width, left + host::text_width(line, kTextPx) + kMargin);
+  host::Image8 page{width, text_top + static_cast<int>(lines.size()) * kLinePx + kMargin, 3, {}};
   page.texels.assign(static_cast<std::size_t>(page.width) * static_cast<std::size_t>(page.height) * 3, 250);
   const auto write = [&](int x, int y, const std::string& text) {
     host::draw_text(page, x, y, text, kTextPx, {40, 40, 40});
   };
-  write(left, top - 8, "photograph; green: sampled, red: not used");
-  write(right, top - 8, "albedo");
-  write(left, below - 8, "magenta: brighter, cyan: darker than materials are");
-  write(right, below - 8, "xy; orange: photograph to reference, blue: what remains");
+  for (std::size_t i = 0; i < kTitles.size(); ++i)
+    write(i % 2 == 0 ? left : right, (i < 2 ? top : below) - 8, kTitles[i]);
   for (std::size_t i = 0; i < lines.size(); ++i)
     write(left, text_top + static_cast<int>(i + 1) * kLinePx - 6, lines[i]);
 

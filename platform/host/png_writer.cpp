@@ -15,7 +15,8 @@ namespace aluminate::host {
 namespace {
 
 constexpr int kBandRows = 64;
-constexpr int kLevel = 1;  // 16-bit photographs hardly shrink further: their low bytes are noise
+// Runs and Huffman codes: after the filter, photographs hardly shrink further, and searching costs the most time.
+constexpr int kLevel = 1;
 
 void put_big_endian(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
@@ -62,7 +63,7 @@ Band deflate_band(const std::vector<std::uint8_t>& raw, bool is_last) {
   band.adler = ::adler32_z(::adler32_z(0, nullptr, 0), raw.data(), raw.size());
   z_stream stream{};
   constexpr int kRawDeflate = -15, kMemory = 9;
-  ALU_CHECK(::deflateInit2(&stream, kLevel, Z_DEFLATED, kRawDeflate, kMemory, Z_FILTERED) == Z_OK, "zlib");
+  ALU_CHECK(::deflateInit2(&stream, kLevel, Z_DEFLATED, kRawDeflate, kMemory, Z_RLE) == Z_OK, "zlib");
   band.deflated.resize(::deflateBound(&stream, static_cast<uLong>(raw.size())) + 16);
   stream.next_in = const_cast<Bytef*>(raw.data());
   stream.avail_in = static_cast<uInt>(raw.size());
