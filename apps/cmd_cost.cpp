@@ -1,8 +1,14 @@
 // aluminate cost SHADER|VARIANT..: what a shader costs on a console before anything runs.
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
 #include "apps/session.hpp"
+#include "platform/host/interrupt.hpp"
 #include "shading/report/cost_report.hpp"
+#include "shading/report/cost_watch.hpp"
 
 namespace aluminate::apps {
 
@@ -11,7 +17,7 @@ void add_cost(CLI::App& app, Session&) {
     FrameArguments frame;
     report::CostRequest request;
     std::string format = "text";
-    bool trilinear = false, loose = false;
+    bool trilinear = false, loose = false, watch = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("cost", "static cost of shaders and variants on a console");
@@ -30,6 +36,8 @@ void add_cost(CLI::App& app, Session&) {
   command->add_flag("--trilinear", arguments->trilinear,
                     "count trilinear fetches as such; the period's estimate assumes bilinear");
   command->add_flag("--loose", arguments->loose, "ignore the third-source pairing rule (sensitivity only)");
+  command->add_flag("--watch", arguments->watch,
+                    "price again when a file or its includes change; Ctrl-C ends");
   arguments->frame.add_to(*command, {"platform", "lights", "fresnel", "light-loop", "D"});
   command->callback([arguments] {
     report::CostRequest& request = arguments->request;
@@ -37,7 +45,21 @@ void add_cost(CLI::App& app, Session&) {
     request.format = cost::parse_format(arguments->format);
     if (arguments->trilinear) request.assumptions.filter = cost::FilterAssumption::Trilinear;
     if (arguments->loose) request.assumptions.pairing = cost::PairingRule::Loose;
-    fmt::print("{}", report::cost_report(request));
+    if (!arguments->watch) {
+      fmt::print("{}", report::cost_report(request));
+      return;
+    }
+    report::watch_cost(request, {.print =
+                                     [](const std::string& text) {
+                                       fmt::print("{}\n", text);
+                                       std::fflush(stdout);
+                                     },
+                                 .wait =
+                                     [] {
+                                       std::this_thread::sleep_for(std::chrono::milliseconds(200));
+                                       host::throw_if_interrupted();
+                                       return true;
+                                     }});
   });
 }
 

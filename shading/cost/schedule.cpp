@@ -54,10 +54,11 @@ int shaken(std::uint32_t shake, int node) {
 /// Places the words of one region (between two levels of fetches) from the last to the first.
 class RegionScheduler {
  public:
-  RegionScheduler(const Graph& graph, const std::vector<SlotChoice>& slots, const ChainLengths& lengths,
-                  Priority priority, const std::vector<bool>& member)
+  RegionScheduler(const Graph& graph, const std::vector<SlotChoice>& slots, const ConstantUse& constants,
+                  const ChainLengths& lengths, Priority priority, const std::vector<bool>& member)
       : graph_(graph),
         slots_(slots),
+        constants_(constants),
         lengths_(lengths),
         priority_(priority),
         waiting_(graph.nodes.size(), 0),
@@ -115,7 +116,7 @@ class RegionScheduler {
       // An export word names one export register for both halves; an effect writes nothing.
       if ((v_export && s.dest != DestKind::Effect) || (s_export && v.dest != DestKind::Effect)) return false;
     }
-    return constant_registers(graph_, &v, &s) <= 2;
+    return constants_.registers(vector, scalar) <= 2;
   }
 
   /// A movs of the carried operand can share the word of this vector operation.
@@ -209,6 +210,7 @@ class RegionScheduler {
 
   const Graph& graph_;
   const std::vector<SlotChoice>& slots_;
+  const ConstantUse& constants_;
   const ChainLengths& lengths_;
   Priority priority_;
   std::vector<int> waiting_;
@@ -286,7 +288,8 @@ FetchLevels find_levels(const Graph& graph) {
 int divide_up(int a, int b) { return (a + b - 1) / b; }
 
 BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& slots,
-                           const ChainLengths& lengths, const FetchLevels& levels, Priority priority) {
+                           const ConstantUse& constants, const ChainLengths& lengths,
+                           const FetchLevels& levels, Priority priority) {
   BlockSchedule schedule;
   for (int level = 0; level <= levels.count; ++level) {
     std::vector<bool> member(graph.nodes.size(), false);
@@ -299,7 +302,7 @@ BlockSchedule try_priority(const Graph& graph, const std::vector<SlotChoice>& sl
         member[n] = true;
       }
     }
-    std::vector<Issue> words = RegionScheduler(graph, slots, lengths, priority, member).run();
+    std::vector<Issue> words = RegionScheduler(graph, slots, constants, lengths, priority, member).run();
     std::reverse(words.begin(), words.end());
     schedule.words += static_cast<int>(words.size());
     schedule.issues.insert(schedule.issues.end(), words.begin(), words.end());
@@ -392,13 +395,14 @@ BlockSchedule schedule_block(const Graph& graph, PairingRule pairing) {
   std::vector<SlotChoice> slots;
   slots.reserve(graph.nodes.size());
   for (const Node& node : graph.nodes) slots.push_back(slots_of(graph, node, pairing));
+  const ConstantUse constants(graph);
   const ChainLengths lengths = chain_lengths(graph);
   const FetchLevels levels = find_levels(graph);
   const int bound = lower_bound_words(graph, pairing);
   BlockSchedule best;
   bool first = true;
   const auto attempt = [&](Priority priority) {
-    BlockSchedule schedule = try_priority(graph, slots, lengths, levels, priority);
+    BlockSchedule schedule = try_priority(graph, slots, constants, lengths, levels, priority);
     if (first || schedule.words < best.words) best = std::move(schedule);
     first = false;
   };

@@ -254,4 +254,49 @@ int constant_registers(const Graph& graph, const Node* a, const Node* b) {
   return static_cast<int>(places.size() + (literals.size() + 3) / 4);
 }
 
+ConstantUse::ConstantUse(const Graph& graph) : reads_(graph.nodes.size()) {
+  std::vector<Place> places;
+  std::vector<double> literals;
+  const auto number_of = [](auto& known, const auto& value) {
+    const auto found = std::find(known.begin(), known.end(), value);
+    if (found != known.end()) return static_cast<int>(found - known.begin());
+    known.push_back(value);
+    return static_cast<int>(known.size()) - 1;
+  };
+  const auto insert = [](std::vector<int>& sorted, int number) {
+    const auto at = std::lower_bound(sorted.begin(), sorted.end(), number);
+    if (at == sorted.end() || *at != number) sorted.insert(at, number);
+  };
+  for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
+    const Node& node = graph.nodes[n];
+    for (std::size_t s = 0; s < static_cast<std::size_t>(node.sources); ++s)
+      for (int i = 0; i < node.src[s].count; ++i) {
+        const Ref& ref = node.src[s].refs[static_cast<std::size_t>(i)];
+        if (!ref.is_constant()) continue;
+        if (ref.kind == Ref::Kind::Literal) {
+          insert(reads_[n].literals, number_of(literals, ref.value));
+        } else {
+          insert(reads_[n].places, number_of(places, place_of(graph, ref)));
+        }
+      }
+  }
+}
+
+int ConstantUse::registers(int a, int b) const {
+  static const Reads kNothing;
+  const Reads& x = a < 0 ? kNothing : reads_[static_cast<std::size_t>(a)];
+  const Reads& y = b < 0 ? kNothing : reads_[static_cast<std::size_t>(b)];
+  const auto distinct = [](const std::vector<int>& p, const std::vector<int>& q) {
+    int both = 0;
+    for (auto i = p.begin(), j = q.begin(); i != p.end() && j != q.end();) {
+      both += *i == *j;
+      const bool advance_i = *i <= *j, advance_j = *j <= *i;
+      i += advance_i;
+      j += advance_j;
+    }
+    return static_cast<int>(p.size() + q.size()) - both;
+  };
+  return distinct(x.places, y.places) + (distinct(x.literals, y.literals) + 3) / 4;
+}
+
 }  // namespace aluminate::cost

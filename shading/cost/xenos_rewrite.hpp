@@ -57,4 +57,18 @@ bool share_register(const Graph& graph, RegisterGroups& groups, const Ref& a, co
 /// Distinct constant registers an operation reads; literals count as one for each started four values.
 int constant_registers(const Graph& graph, const Node* a, const Node* b = nullptr);
 
+/// The same for many questions about one graph that no longer changes: constants are numbered once.
+class ConstantUse {
+ public:
+  explicit ConstantUse(const Graph& graph);
+  /// constant_registers(graph, a, b) by node; -1 = none.
+  int registers(int a, int b) const;
+
+ private:
+  struct Reads {  // ascending numbers
+    std::vector<int> places, literals;
+  };
+  std::vector<Reads> reads_;
+};
+
 }  // namespace aluminate::cost

@@ -92,17 +92,21 @@ void add_image_lines(const CheckResult& result, std::vector<std::string>& lines)
                                 result.pixel.draw.empty() ? "background" : result.pixel.draw));
 }
 
-std::vector<std::string> difference_lines(const CheckResult& result) {
-  std::vector<std::string> lines;
-  if (result.difference.image_differs) add_image_lines(result, lines);
+void add_cost_lines(const GoldenDifference& difference, std::vector<std::string>& lines) {
   std::size_t shown = 0;
-  for (const FigureChange& change : result.difference.figures)
+  for (const FigureChange& change : difference.figures)
     if (shown++ < kMostFigures) lines.push_back(figure_line(change));
   if (shown > kMostFigures) lines.push_back(fmt::format("and {} more figures", shown - kMostFigures));
-  for (const InstructionChange& change : result.difference.instructions)
+  for (const InstructionChange& change : difference.instructions)
     lines.push_back(fmt::format("{}: first differing instruction, issue {}: {} -> {}", change.section,
                                 change.line, change.before.empty() ? "(end)" : change.before,
                                 change.after.empty() ? "(end)" : change.after));
+}
+
+std::vector<std::string> change_lines(const CheckResult& result) {
+  std::vector<std::string> lines;
+  if (result.difference.image_differs) add_image_lines(result, lines);
+  add_cost_lines(result.difference, lines);
   return lines;
 }
 
@@ -113,9 +117,9 @@ std::vector<std::string> detail_lines(const CheckResult& result) {
     case Outcome::Ok:
     case Outcome::Accepted:
     case Outcome::Removed:
-      return difference_lines(result);
+      return change_lines(result);
     case Outcome::Differs:
-      lines = difference_lines(result);
+      lines = change_lines(result);
       if (!result.page.empty()) lines.push_back("look    " + result.page);
       lines.push_back(accept);
       return lines;
@@ -131,7 +135,7 @@ std::vector<std::string> detail_lines(const CheckResult& result) {
     case Outcome::Extra:
       return {"a golden that no check names", "remove  aluminate check --update " + result.name};
     case Outcome::Unstable:
-      lines = difference_lines(result);
+      lines = change_lines(result);
       lines.emplace_back(
           "two renderings with other threads and vector widths disagree: nothing can be accepted; this is a "
           "bug in aluminate");
@@ -189,6 +193,14 @@ std::string xml(const std::string& text) {
 }
 
 }  // namespace
+
+std::string difference_lines(const GoldenDifference& difference) {
+  std::vector<std::string> lines;
+  add_cost_lines(difference, lines);
+  std::string text = lines.empty() ? "no change in cost\n" : "";
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
 
 std::string check_text(const CheckRun& run) {
   host::TextTable table({{"check"}, {"result"}, {"picture"}, {"frame ms", host::Align::Right}});

@@ -14,4 +14,8 @@ std::string check_text(const CheckRun& run);
 std::string check_markdown(const CheckRun& run);
 std::string check_junit(const CheckRun& run);
 
+/// What changed between two prices: a line for each figure and for the first differing instruction of each
+/// program.
+std::string difference_lines(const GoldenDifference& difference);
+
 }  // namespace aluminate::report

@@ -7,6 +7,7 @@
 
 #include "platform/console/platform_file.hpp"
 #include "platform/host/error.hpp"
+#include "platform/host/parallel.hpp"
 #include "platform/host/suggest.hpp"
 #include "shading/compiler/compile.hpp"
 #include "shading/cost/static_cost.hpp"
@@ -55,18 +56,23 @@ cost::StaticCost price_variant(const std::string& name, const passes::FrameOptio
                                const CostRequest& request, const console::GpuModel& gpu) {
   const passes::SurfaceFeatures plain;
   const int lights = light_count(options);
-  const bool rolled = passes::rolls_lights(options, lights);
-  const vm::Program program = passes::compile_pixel(options, plain, {.count = lights}, rolled);
-  cost::StaticCost price = cost::price(program, gpu, request.assumptions);
+  const bool rolled = lights > 0 && passes::rolls_lights(options, lights);
+  // Unrolled, the marginal light is the difference of two programs: both are compiled at once.
+  vm::Program programs[2];
+  cost::StaticCost prices[2];
+  host::parallel_for(rolled ? 1 : 2, [&](std::int64_t i) {
+    programs[i] = passes::compile_pixel(options, plain, {.count = lights + static_cast<int>(i)}, rolled);
+    prices[i] = cost::price(programs[i], gpu, request.assumptions);
+  });
+  cost::StaticCost& price = prices[0];
   price.name = fmt::format("{} ({} light{}, {})", name, lights, lights == 1 ? "" : "s",
                            rolled ? "rolled" : "unrolled");
-  if (rolled && lights > 0) {
-    price.per_light = cost::loop_body_light(program, price);
+  if (rolled) {
+    price.per_light = cost::loop_body_light(programs[0], price);
   } else {
-    const vm::Program more = passes::compile_pixel(options, plain, {.count = lights + 1}, false);
-    price.per_light = cost::marginal_light(price, cost::price(more, gpu, request.assumptions));
+    price.per_light = cost::marginal_light(price, prices[1]);
   }
-  return price;
+  return std::move(price);
 }
 
 cost::StaticCost price_subject(const std::string& subject, const CostRequest& request,
@@ -90,20 +96,29 @@ cost::StaticCost price_subject(const std::string& subject, const CostRequest& re
 
 std::vector<cost::StaticCost> price_subjects(const CostRequest& request) {
   const console::GpuModel gpu = console::load_platform(request.options.platform);
-  std::vector<cost::StaticCost> costs;
-  for (const std::string& subject : request.subjects) costs.push_back(price_subject(subject, request, gpu));
+  std::vector<cost::StaticCost> costs(request.subjects.size());
+  if (costs.size() == 1) {  // alone, its own two compilations may use the threads
+    costs[0] = price_subject(request.subjects[0], request, gpu);
+    return costs;
+  }
+  host::parallel_for(static_cast<std::int64_t>(costs.size()), [&](std::int64_t i) {
+    const auto at = static_cast<std::size_t>(i);
+    costs[at] = price_subject(request.subjects[at], request, gpu);
+  });
   return costs;
 }
 
 std::string cost_command(const CostRequest& request) {
   const passes::FrameOptions& options = request.options;
-  std::string text = fmt::format("aluminate cost {} --platform {}", fmt::join(request.subjects, " "), options.platform);
+  std::string text =
+      fmt::format("aluminate cost {} --platform {}", fmt::join(request.subjects, " "), options.platform);
   if (request.stage != "pixel") text += " --stage " + request.stage;
   if (request.entry != "main") text += " --entry " + request.entry;
   if (!options.lights.empty()) text += " --lights " + options.lights;
   if (options.light_loop != passes::LightLoop::Auto)
     text += fmt::format(" --light-loop {}", passes::to_string(options.light_loop));
-  if (options.fresnel != brdf::Fresnel::Schlick) text += fmt::format(" --fresnel {}", brdf::to_string(options.fresnel));
+  if (options.fresnel != brdf::Fresnel::Schlick)
+    text += fmt::format(" --fresnel {}", brdf::to_string(options.fresnel));
   for (const auto& [name, value] : options.defines) text += fmt::format(" -D {}={}", name, value);
   if (request.assumptions.filter == cost::FilterAssumption::Trilinear) text += " --trilinear";
   if (request.assumptions.pairing == cost::PairingRule::Loose) text += " --loose";
@@ -115,11 +130,10 @@ std::string cost_report(const CostRequest& request) {
   const std::vector<cost::StaticCost> costs = price_subjects(request);
   std::string text = cost::format_cost(costs, request.format);
   if (request.format == cost::Format::Json) {
-    nlohmann::ordered_json document = {
-        {"schema", 1},
-        {"tool", {{"name", "aluminate"}, {"version", ALUMINATE_VERSION}}},
-        {"command", cost_command(request)},
-        {"inputs", {{"subjects", request.subjects}, {"platform", gpu.path}}}};
+    nlohmann::ordered_json document = {{"schema", 1},
+                                       {"tool", {{"name", "aluminate"}, {"version", ALUMINATE_VERSION}}},
+                                       {"command", cost_command(request)},
+                                       {"inputs", {{"subjects", request.subjects}, {"platform", gpu.path}}}};
     document.update(nlohmann::ordered_json::parse(text));
     text = document.dump(2) + "\n";
   }
