@@ -229,6 +229,11 @@ bool encode_exr(int width, int height, const Layer* layers, std::size_t layer_co
                                                              : OIIO::TypeFloat);
   }
   spec.attribute("compression", "zip");
+  // Photographs compress for seconds on one thread; the bytes are the same on any number. Small ones are written by
+  // workers that run side by side already.
+  constexpr std::size_t kLargeTexels = std::size_t{1} << 21;
+  const bool is_large = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) >= kLargeTexels;
+  OIIO::attribute("exr_threads", is_large ? 0 : 1);  // 0: one per core
   spec.attribute("DateTime", kNoDate);  // left unset, the writer stores the time of day
   add_metadata(spec, metadata, metadata_count);
   return encode("openexr", spec, sink, context, failure, [&](OIIO::ImageOutput& output) {
