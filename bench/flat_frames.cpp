@@ -148,37 +148,35 @@ class Renderer {
     return color;
   }
 
+  /// A band of four rows at a time, so that whole lines of memory are written at once.
   void store(const raster::TileView& view) {
     const auto width = static_cast<std::size_t>(viewport_.width);
     std::uint32_t table[raster::kMaxSamples + 1];
     for (int n = 0; n <= samples_; ++n) table[n] = mix(n, samples_);
-    for (int stamp = 0; stamp < raster::kStampsPerTile; ++stamp) {
-      const int x = raster::stamp_x(stamp), y = raster::stamp_y(stamp);
-      if (x >= view.width || y >= view.height) continue;
-      const raster::TriangleId* id = view.visibility.data() + stamp * samples_ * 16;
-      alignas(64) std::uint32_t color[16];
-      if (samples_ == 1) {
-        for (int lane = 0; lane < 16; ++lane)
-          color[lane] = id[lane] == raster::kNoTriangle ? kBackground : kSurface;
-      } else {
-        for (int lane = 0; lane < 16; ++lane) {
-          int covered = 0;
-          for (int s = 0; s < samples_; ++s) covered += id[16 * s + lane] != raster::kNoTriangle;
-          color[lane] = table[covered];
+    for (int y = 0; y < view.height; y += raster::kStampPx) {
+      alignas(64) std::uint32_t band[raster::kStampPx][raster::kTilePx];
+      for (int x = 0; x < raster::kTilePx; x += raster::kStampPx) {
+        const raster::TriangleId* id = view.visibility.data() + raster::stamp_of(x, y) * samples_ * 16;
+        alignas(64) std::uint32_t color[16];
+        if (samples_ == 1) {
+          for (int lane = 0; lane < 16; ++lane)
+            color[lane] = id[lane] == raster::kNoTriangle ? kBackground : kSurface;
+        } else {
+          for (int lane = 0; lane < 16; ++lane) {
+            int covered = 0;
+            for (int s = 0; s < samples_; ++s) covered += id[16 * s + lane] != raster::kNoTriangle;
+            color[lane] = table[covered];
+          }
+        }
+        for (int row = 0; row < raster::kStampPx; ++row) {
+          std::memcpy(&band[row][x], color + raster::lane_of(0, row), 8);  // lanes of a row lie in pairs
+          std::memcpy(&band[row][x + 2], color + raster::lane_of(2, row), 8);
         }
       }
-      std::uint32_t* to = &picture_[static_cast<std::size_t>(view.origin.y + y) * width +
-                                    static_cast<std::size_t>(view.origin.x + x)];
-      if (x + raster::kStampPx <= view.width && y + raster::kStampPx <= view.height) {
-        for (int row = 0; row < raster::kStampPx; ++row, to += width) {
-          std::memcpy(to, color + raster::lane_of(0, row), 8);  // lanes of a row lie in pairs
-          std::memcpy(to + 2, color + raster::lane_of(2, row), 8);
-        }
-        continue;
-      }
-      for (int row = 0; row < std::min(raster::kStampPx, view.height - y); ++row, to += width)
-        for (int column = 0; column < std::min(raster::kStampPx, view.width - x); ++column)
-          to[column] = color[raster::lane_of(column, row)];
+      for (int row = 0; row < std::min(raster::kStampPx, view.height - y); ++row)
+        std::memcpy(&picture_[static_cast<std::size_t>(view.origin.y + y + row) * width +
+                              static_cast<std::size_t>(view.origin.x)],
+                    band[row], static_cast<std::size_t>(view.width) * 4);
     }
   }
 
@@ -198,11 +196,53 @@ double cpu_ms() {
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
+double now_us() {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// What every task of a frame takes when it runs alone: the least over several frames, and what lies between
+/// the phases.
+class TaskTimes {
+ public:
+  void frame(Renderer& renderer) {
+    phase_ = 0;
+    double inside = 0;
+    const double start = now_us();
+    renderer.draw({1, [&](std::int64_t count, const raster::ParallelFor::Item& item) {
+                     if (phase_ == tasks_.size()) tasks_.emplace_back(static_cast<std::size_t>(count), 1e30);
+                     std::vector<double>& times = tasks_[phase_++];
+                     const double phase_start = now_us();
+                     for (std::int64_t i = 0; i < count; ++i) {
+                       const double task_start = now_us();
+                       item(i, 0);
+                       times[static_cast<std::size_t>(i)] =
+                           std::min(times[static_cast<std::size_t>(i)], now_us() - task_start);
+                     }
+                     inside += now_us() - phase_start;
+                   }});
+    serial_ = std::min(serial_, now_us() - start - inside);
+  }
+  std::string json() const {
+    static constexpr const char* kPhases[] = {"transform", "project", "set-up chunks", "tiles"};
+    std::string text = fmt::format("{{\"serial_us\":{:.1f}", serial_);
+    for (std::size_t i = 0; i < tasks_.size(); ++i)
+      text += fmt::format(",\"{}\":[{:.2f}]", kPhases[i], fmt::join(tasks_[i], ","));
+    return text + "}";
+  }
+
+ private:
+  std::vector<std::vector<double>> tasks_;
+  std::size_t phase_ = 0;
+  double serial_ = 1e30;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"frames drawn flat, for comparison with other renderers"};
   std::string scene, out, camera = "outside";
+  bool tasks = false;
   int width = 1280, height = 720, frames = 20, threads = 1, samples = 1;
   app.add_option("--scene", scene, "synth:grid:N, synth:fill:K or a glTF file")->required();
   app.add_option("--width", width);
@@ -211,6 +251,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", threads);
   app.add_option("--msaa", samples)->check(CLI::IsMember({1, 4}));
   app.add_option("--camera", camera);
+  app.add_flag("--tasks", tasks, "time every task on one thread instead, microseconds");
   app.add_option("-o", out, "the last frame as PNG");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -224,6 +265,12 @@ int main(int argc, char** argv) {
     host::set_thread_count(threads);
     const raster::ParallelFor parallel = threads == 1 ? raster::serial() : raster::host_threads();
     Renderer renderer(model, {width, height}, samples);
+    if (tasks) {
+      TaskTimes times;
+      for (int i = 0; i < frames; ++i) times.frame(renderer);
+      fmt::print("{}\n", times.json());
+      return 0;
+    }
     std::vector<double> ms, cpu;
     for (int i = 0; i < frames + 3; ++i) {
       const auto start = std::chrono::steady_clock::now();

@@ -21,6 +21,7 @@ struct Geometry {
   std::vector<double> x, y, z, w;
   std::vector<std::uint32_t> indices;
   Draw draw;
+  int samples = 1;
 
   std::uint32_t vertex(double px, double py, double depth) {
     x.push_back(2 * px / kWidth - 1);
@@ -32,7 +33,7 @@ struct Geometry {
   FrameInput input() {
     draw.cull = CullMode::None;
     draw.triangle_count = static_cast<std::uint32_t>(indices.size() / 3);
-    return {{kWidth, kHeight}, {x, y, z, w}, indices, {&draw, 1}, {}};
+    return {{kWidth, kHeight}, {x, y, z, w}, indices, {&draw, 1}, {}, samples};
   }
 };
 
@@ -135,6 +136,20 @@ void fill(benchmark::State& state, bool back_to_front, bool with_bill) {
   frame_bench(state, layers(20, back_to_front), with_bill, 20.0 * kWidth * kHeight);
 }
 
+/// The same with four samples a pixel; items are still triangles and pixels.
+void triangles_4x(benchmark::State& state) {
+  const int count = state.range(0) >= 32 ? 50000 : 200000;
+  Geometry g = soup(count, static_cast<double>(state.range(0)));
+  g.samples = 4;
+  frame_bench(state, std::move(g), false, count);
+}
+
+void fill_4x(benchmark::State& state, bool back_to_front) {
+  Geometry g = layers(20, back_to_front);
+  g.samples = 4;
+  frame_bench(state, std::move(g), false, 20.0 * kWidth * kHeight);
+}
+
 /// Barycentrics and 8 attributes of a full screen of visible quads, in batches of 16.
 void interpolation(benchmark::State& state) {
   Geometry g = soup(50000, static_cast<double>(state.range(0)));
@@ -173,6 +188,9 @@ BENCHMARK_CAPTURE(fill, back_to_front, true, false)->Unit(benchmark::kMillisecon
 BENCHMARK_CAPTURE(fill, back_to_front_bill, true, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fill, front_to_back, false, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fill, front_to_back_bill, false, true)->Unit(benchmark::kMillisecond);
+BENCHMARK(triangles_4x)->ArgName("legs_px")->Arg(1)->Arg(4)->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fill_4x, back_to_front, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fill_4x, front_to_back, false)->Unit(benchmark::kMillisecond);
 BENCHMARK(interpolation)->ArgName("legs_px")->Arg(8)->Arg(32)->Unit(benchmark::kMillisecond);
 
 }  // namespace

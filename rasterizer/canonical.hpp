@@ -70,7 +70,7 @@ inline bool covers(const std::int32_t* tx, const std::int32_t* ty, std::int64_t 
 
 /// Whether the triangle covers a sample of pixel (px, py).
 template <int kSamples>
-bool covers_pixel(const SetupTriangle& t, int px, int py) noexcept {
+[[gnu::always_inline]] inline bool covers_pixel(const SetupTriangle& t, int px, int py) noexcept {
   using Pattern = SamplePattern<kSamples>;
   bool any = false;
   for (int s = 0; s < kSamples; ++s)

@@ -1,15 +1,14 @@
 #include "rasterizer/chunk_setup.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "platform/host/error.hpp"
 #include "rasterizer/clip.hpp"
+#include "rasterizer/triangle_cull.hpp"
 
 namespace aluminate::raster {
 namespace {
-
-constexpr std::int32_t smallest(std::int32_t a, std::int32_t b, std::int32_t c) { return std::min(std::min(a, b), c); }
-constexpr std::int32_t largest(std::int32_t a, std::int32_t b, std::int32_t c) { return std::max(std::max(a, b), c); }
 
 template <int kSamples>
 class ChunkBuilder {
@@ -20,11 +19,13 @@ class ChunkBuilder {
         scratch_(scratch),
         chunk_(chunk),
         tiles_x_(static_cast<std::uint32_t>(input.viewport.tiles_x())),
-        width_(input.viewport.width),
-        height_(input.viewport.height),
-        skip_frustum_(input.skips.on(Skip::Frustum)),
-        skip_facing_(input.skips.on(Skip::Facing)),
-        skip_small_(input.skips.on(Skip::Small)) {}
+        skip_frustum_(input.skips.on(Skip::Frustum)) {
+    rule_.facing = input.skips.on(Skip::Facing);
+    rule_.small = input.skips.on(Skip::Small);
+    rule_.width = input.viewport.width;
+    rule_.height = input.viewport.height;
+    rule_.samples = kSamples;
+  }
 
   void add_draw_range(std::uint32_t draw_number, std::uint32_t begin, std::uint32_t end) {
     const Draw& draw = input_.draws[draw_number];
@@ -34,32 +35,11 @@ class ChunkBuilder {
       return;
     }
     draw_ = draw_number;
-    cull_ = draw.cull;
+    rule_.mode = draw.cull;
     const std::uint32_t* index = input_.indices.data() + draw.first_index + 3 * std::size_t{begin - input_.draw_start[draw_number]};
-    const ScreenVertex* vertices = input_.vertices.data();
-    const std::size_t vertex_count = input_.vertices.size();
     counters_.submitted += end - begin;
-    for (std::uint32_t sequence = begin; sequence < end; ++sequence, index += 3) {
-      const std::size_t ia = std::size_t{draw.first_vertex} + index[0], ib = std::size_t{draw.first_vertex} + index[1],
-                        ic = std::size_t{draw.first_vertex} + index[2];
-      if (std::max(std::max(ia, ib), ic) >= vertex_count) [[unlikely]]
-        fail_index(draw_number, std::max(std::max(ia, ib), ic));
-      const ScreenVertex &a = vertices[ia], &b = vertices[ib], &c = vertices[ic];
-      const std::uint32_t any = a.flags | b.flags | c.flags;
-      if (any == 0) [[likely]] {
-        add_triangle(a, b, c, sequence);
-        continue;
-      }
-      if (any & kNonFinite) {
-        ++counters_.dropped_nonfinite;
-      } else if (skip_frustum_ && (a.flags & b.flags & c.flags & kSides)) {
-        ++counters_.frustum;
-      } else if (any & kCut) {
-        add_cut(ia, ib, ic, sequence);
-      } else {
-        add_triangle(a, b, c, sequence);
-      }
-    }
+    for (std::uint32_t first = begin; first < end; first += kCullGroup, index += 3 * kCullGroup)
+      add_group(draw, index, first, static_cast<int>(std::min<std::uint32_t>(kCullGroup, end - first)));
   }
 
   void finish() {
@@ -88,50 +68,67 @@ class ChunkBuilder {
     __builtin_unreachable();
   }
 
-  void add_triangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, TriangleId id) {
-    const std::int64_t area2 = twice_area(a, b, c);
-    if (area2 == 0) {
-      ++counters_.degenerate;
-      return;
-    }
-    const bool front = area2 < 0;
-    const bool culled = cull_ == CullMode::None ? false : (cull_ == CullMode::Back) != front;
-    if (culled && skip_facing_) {
-      ++counters_.facing;
-      return;
-    }
-    const std::int32_t left = smallest(a.x, b.x, c.x), right = largest(a.x, b.x, c.x);
-    const std::int32_t top = smallest(a.y, b.y, c.y), bottom = largest(a.y, b.y, c.y);
-    std::int32_t x0 = first_pixel<kSamples>(left), x1 = last_pixel<kSamples>(right);
-    std::int32_t y0 = first_pixel<kSamples>(top), y1 = last_pixel<kSamples>(bottom);
-    if (x0 > x1 || y0 > y1) {
-      if (skip_small_) {
-        ++counters_.small;
-        return;
+  void add_group(const Draw& draw, const std::uint32_t* index, std::uint32_t first, int count) {
+    const ScreenVertex* vertices = input_.vertices.data();
+    const std::size_t vertex_count = input_.vertices.size();
+    const ScreenVertex* corner[kCullGroup][3];
+    std::uint32_t gone = 0, cut = 0;
+    for (int i = 0; i < count; ++i) {
+      const std::size_t ia = std::size_t{draw.first_vertex} + index[3 * i], ib = std::size_t{draw.first_vertex} + index[3 * i + 1],
+                        ic = std::size_t{draw.first_vertex} + index[3 * i + 2];
+      if (std::max(std::max(ia, ib), ic) >= vertex_count) [[unlikely]]
+        fail_index(draw_, std::max(std::max(ia, ib), ic));
+      const ScreenVertex &a = vertices[ia], &b = vertices[ib], &c = vertices[ic];
+      corner[i][0] = &a, corner[i][1] = &b, corner[i][2] = &c;
+      group_.x[0][i] = a.x, group_.x[1][i] = b.x, group_.x[2][i] = c.x;
+      group_.y[0][i] = a.y, group_.y[1][i] = b.y, group_.y[2][i] = c.y;
+      const std::uint32_t any = a.flags | b.flags | c.flags;
+      if (any == 0) [[likely]]
+        continue;
+      if (any & kNonFinite) {
+        ++counters_.dropped_nonfinite;
+        gone |= 1u << i;
+      } else if (skip_frustum_ && (a.flags & b.flags & c.flags & kSides)) {
+        ++counters_.frustum;
+        gone |= 1u << i;
+      } else if (any & kCut) {
+        cut |= 1u << i;
       }
-      x1 = std::max(x0, x1);  // some tile near it, for the proof that it covers nothing there
-      y1 = std::max(y0, y1);
     }
-    x0 = std::max(x0, 0), y0 = std::max(y0, 0);
-    x1 = std::min(x1, width_ - 1), y1 = std::min(y1, height_ - 1);
-    if (x0 > x1 || y0 > y1) {
-      ++counters_.frustum;
-      return;
+    cull_triangles(group_, count, rule_, culled_);
+    count_culled(~(gone | cut));
+    for (std::uint32_t left = (culled_.kept & ~gone) | cut; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      if (cut >> i & 1) {
+        const CullResult others = culled_;  // the fragments are culled in its place
+        add_cut(draw.first_vertex + std::size_t{index[3 * i]}, draw.first_vertex + std::size_t{index[3 * i + 1]},
+                draw.first_vertex + std::size_t{index[3 * i + 2]}, first + static_cast<std::uint32_t>(i));
+        culled_ = others;
+      } else {
+        add_triangle(*corner[i][0], *corner[i][1], *corner[i][2], first + static_cast<std::uint32_t>(i), i);
+      }
     }
+  }
+
+  void count_culled(std::uint32_t meant) {
+    const auto count = [meant](std::uint32_t mask) { return static_cast<std::uint64_t>(std::popcount(mask & meant)); };
+    counters_.degenerate += count(culled_.degenerate);
+    counters_.facing += count(culled_.facing);
+    counters_.small += count(culled_.small);
+    counters_.frustum += count(culled_.outside);
+  }
+
+  /// place: of the triangle in culled_, which kept it.
+  void add_triangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, TriangleId id, int place) {
     const CanonicalOrder order = canonical_order(a, b, c);
     const ScreenVertex* corner[3] = {&a, &b, &c};
-    SetupTriangle& record = scratch_.records[scratch_.record_count];
-    fill_corners(*corner[order.corner[0]], *corner[order.corner[1]], *corner[order.corner[2]], record);
-    // One pixel in the bounds: often the triangle misses its samples. Cheaper to know now than to carry it to a tile.
-    if (x0 == x1 && y0 == y1 && skip_small_ && !covers_pixel<kSamples>(record, x0, y0)) {
-      ++counters_.small;
-      return;
-    }
-    record.id = id;
-    record.draw_and_culled = draw_ | (culled ? SetupTriangle::kCulled : 0);
     const std::uint32_t number = scratch_.record_count++;
-    bin(record, number, static_cast<std::uint32_t>(x0) / kTilePx, static_cast<std::uint32_t>(x1) / kTilePx,
-        static_cast<std::uint32_t>(y0) / kTilePx, static_cast<std::uint32_t>(y1) / kTilePx);
+    SetupTriangle& record = scratch_.records[number];
+    fill_corners(*corner[order.corner[0]], *corner[order.corner[1]], *corner[order.corner[2]], record);
+    record.id = id;
+    record.draw_and_culled = draw_ | ((culled_.culled >> place & 1) != 0 ? SetupTriangle::kCulled : 0);
+    const auto tile = [](std::int32_t px) { return static_cast<std::uint32_t>(px) / kTilePx; };
+    bin(record, number, tile(culled_.x0[place]), tile(culled_.x1[place]), tile(culled_.y0[place]), tile(culled_.y1[place]));
   }
 
   void enter(std::uint32_t number, std::uint32_t z_min, std::uint32_t tile) {
@@ -193,15 +190,29 @@ class ChunkBuilder {
     }
     ++counters_.clipped;
     const std::size_t fragments = static_cast<std::size_t>(polygon.count) - 2;
+    CornerGroup pieces{};
+    std::array<std::array<std::size_t, 3>, kMaxClipFragments> piece;
+    std::size_t pieces_count = 0;
     std::int64_t total = 0;  // at most 7 * 2^47
     for (std::size_t k = 1; k <= fragments; ++k) total += twice_area(corner[0], corner[k], corner[k + 1]);
     for (std::size_t k = 1; k <= fragments; ++k) {
       // Snapping can fold a fragment of less than a sub over; drawn, it would face the other way.
       const std::int64_t area2 = twice_area(corner[0], corner[k], corner[k + 1]);
       if ((area2 < 0) != (total < 0)) continue;
+      piece[pieces_count] = {0, k, k + 1};
+      for (std::size_t i = 0; i < 3; ++i) {
+        pieces.x[i][pieces_count] = corner[piece[pieces_count][i]].x;
+        pieces.y[i][pieces_count] = corner[piece[pieces_count][i]].y;
+      }
+      ++pieces_count;
+    }
+    cull_triangles(pieces, static_cast<int>(pieces_count), rule_, culled_);
+    count_culled(~0u);
+    for (std::uint32_t left = culled_.kept; left != 0; left &= left - 1) {
+      const int place = std::countr_zero(left);
+      const std::array<std::size_t, 3>& from = piece[static_cast<std::size_t>(place)];
       ClippedTriangle fragment;
       fragment.sequence = sequence;
-      const std::size_t from[3] = {0, k, k + 1};
       for (std::size_t i = 0; i < 3; ++i) {
         fragment.corner[i] = corner[from[i]];
         fragment.w[i] = polygon.corner[from[i]].w;
@@ -210,7 +221,7 @@ class ChunkBuilder {
       }
       const TriangleId id = kClippedBit | chunk_number_ << kClipIndexBits | static_cast<std::uint32_t>(chunk_.clipped.size());
       chunk_.clipped.push_back(fragment);
-      add_triangle(fragment.corner[0], fragment.corner[1], fragment.corner[2], id);
+      add_triangle(fragment.corner[0], fragment.corner[1], fragment.corner[2], id, place);
     }
   }
 
@@ -220,10 +231,11 @@ class ChunkBuilder {
   Chunk& chunk_;
   SetupCounters counters_;
   const std::uint32_t tiles_x_;
-  const std::int32_t width_, height_;
-  const bool skip_frustum_, skip_facing_, skip_small_;
+  const bool skip_frustum_;
+  CullRule rule_;
+  CornerGroup group_{};
+  CullResult culled_;
   std::uint32_t draw_ = 0;
-  CullMode cull_ = CullMode::None;
 };
 
 template <int kSamples>

@@ -80,8 +80,7 @@ void TileRasterizer::begin(int tile_number) {
   std::fill_n(tile.inside, kStampsPerTile, std::uint16_t{0xffff});
   if (tile.width < kTilePx || tile.height < kTilePx) {
     for (int y = 0; y < kTilePx; ++y)
-      for (int x = 0; x < kTilePx; ++x) {
-        if (x < tile.width && y < tile.height) continue;
+      for (int x = y < tile.height ? tile.width : 0; x < kTilePx; ++x) {
         for (int sample = 0; sample < samples; ++sample) tile.depth[(stamp_of(x, y) * samples + sample) * 16 + lane_of(x, y)] = 0;
         tile.inside[stamp_of(x, y)] &= static_cast<std::uint16_t>(~(1u << lane_of(x, y)));
       }

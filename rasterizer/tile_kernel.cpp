@@ -122,6 +122,18 @@ constexpr StampNumbers make_stamp_numbers() {
 constexpr StampNumbers kStampNumbers = make_stamp_numbers();
 HWY_INLINE int stamp_at(int x, int y) { return kStampNumbers.column[x >> 2] | kStampNumbers.row[y >> 2]; }
 
+// i / columns for the stamps of small bounds.
+struct SmallRows {
+  std::uint8_t row[5][25];
+};
+constexpr SmallRows make_small_rows() {
+  SmallRows table{};
+  for (int columns = 1; columns <= 5; ++columns)
+    for (int i = 0; i < 25; ++i) table.row[columns - 1][i] = static_cast<std::uint8_t>(i / columns);
+  return table;
+}
+constexpr SmallRows kSmallRows = make_small_rows();
+
 /// A record in a tile: everything the stamp loops need, once.
 template <int kSamples>
 struct Walk {
@@ -212,26 +224,14 @@ HWY_INLINE void walk_stamps(TileMemory& tile, Walk<kSamples>& walk, bool block_h
         return;
       }
     }
+    // At most 5x5 stamps, in one loop: its end is the only branch that depends on the shape of the bounds.
     const int x_first = walk.x0 & ~3, y_first = walk.y0 & ~3;
-    Vector16 row[3];
-    Vector step_x[3], step_y[3];
-    for (int k = 0; k < 3; ++k) {
-      const Vector first = hn::Set(kTag, walk.c[k][0] - walk.dy[k] * x_first + walk.dx[k] * y_first);
-      for (std::size_t p = 0; p < kParts; ++p) row[k].part[p] = hn::Add(first, lanes[k].part[p]);
-      // The last step leaves the tile and may wrap (lanes do); its value is never read.
-      step_x[k] = hn::Set(kTag, -walk.dy[k] * kStampPx);
-      step_y[k] = hn::Set(kTag, walk.dx[k] * kStampPx);
-    }
-    for (int y = y_first; y <= walk.y1; y += kStampPx) {
-      Vector16 edge[3] = {row[0], row[1], row[2]};
-      for (int x = x_first; x <= walk.x1; x += kStampPx) {
-        const Coverage<kSamples> covered = inside(edge);
-        if (covered.any != 0) emit.some(stamp_at(x, y), covered, centre_plane(walk.steps, x, y));
-        for (int k = 0; k < 3; ++k)
-          for (std::size_t p = 0; p < kParts; ++p) edge[k].part[p] = hn::Add(edge[k].part[p], step_x[k]);
-      }
-      for (int k = 0; k < 3; ++k)
-        for (std::size_t p = 0; p < kParts; ++p) row[k].part[p] = hn::Add(row[k].part[p], step_y[k]);
+    const int columns = ((walk.x1 - x_first) >> 2) + 1, count = columns * (((walk.y1 - y_first) >> 2) + 1);
+    const std::uint8_t* row_of = kSmallRows.row[columns - 1];
+    for (int i = 0; i < count; ++i) {
+      const int row = row_of[i], x = x_first + (i - row * columns) * kStampPx, y = y_first + row * kStampPx;
+      const Coverage<kSamples> covered = stamp_inside(x, y);
+      if (covered.any != 0) emit.some(stamp_at(x, y), covered, centre_plane(walk.steps, x, y));
     }
     return;
   }

@@ -78,16 +78,21 @@ int main(int argc, char** argv) {
   std::vector<std::uint32_t> range{0, 20};
   std::string unit;
   int samples = 1;
-  bool list = false;
+  bool list = false, list_units = false;
   app.add_option("--suite", names, "run this suite");
   app.add_option("--suite-glob", globs, "run the suites whose names match");
   app.add_option("--range", range, "seeds: first, one past the last")->expected(2);
   app.add_option("--samples", samples, "samples a pixel, 1 or 4")->check(CLI::IsMember({1, 4}));
   app.add_option("--vector-unit", unit, "use this vector unit (default: the best one)");
   app.add_flag("--list", list, "list the suites");
+  app.add_flag("--list-vector-units", list_units, "list the vector units this machine can use, best first");
   CLI11_PARSE(app, argc, argv);
   if (list) {
     for (const Suite& suite : suites()) fmt::print("{:<22} {}\n", suite.name, suite.what);
+    return 0;
+  }
+  if (list_units) {
+    for (const std::string& name : vector_targets()) fmt::print("{}\n", name);
     return 0;
   }
   use_vector_target(unit);
