@@ -98,6 +98,7 @@ class Renderer {
   Renderer(const Model& model, raster::Viewport viewport, int samples)
       : model_(model), viewport_(viewport), samples_(samples) {
     for (std::vector<double>* component : {&x_, &y_, &z_, &w_}) component->resize(model.x.size());
+    for (int n = 0; n <= samples; ++n) mixed_[n] = mix(n, samples);
     picture_.resize(static_cast<std::size_t>(viewport.width) * static_cast<std::size_t>(viewport.height));
   }
 
@@ -148,30 +149,31 @@ class Renderer {
     return color;
   }
 
-  /// A band of four rows at a time, so that whole lines of memory are written at once.
   void store(const raster::TileView& view) {
+    if (samples_ == 1)
+      store_bands(view, [](const raster::TriangleId* id, int lane) {
+        return kBackground ^ ((kBackground ^ kSurface) &
+                              (0u - static_cast<std::uint32_t>(id[lane] != raster::kNoTriangle)));
+      });
+    else
+      store_bands(view, [this](const raster::TriangleId* id, int lane) {
+        int covered = 0;
+        for (int s = 0; s < raster::kMaxSamples; ++s) covered += id[16 * s + lane] != raster::kNoTriangle;
+        return mixed_[covered];
+      });
+  }
+
+  /// A band of four rows at a time, so that whole lines of memory are written at once.
+  template <class ColorOf>
+  void store_bands(const raster::TileView& view, ColorOf color_of) {
     const auto width = static_cast<std::size_t>(viewport_.width);
-    std::uint32_t table[raster::kMaxSamples + 1];
-    for (int n = 0; n <= samples_; ++n) table[n] = mix(n, samples_);
     for (int y = 0; y < view.height; y += raster::kStampPx) {
       alignas(64) std::uint32_t band[raster::kStampPx][raster::kTilePx];
       for (int x = 0; x < raster::kTilePx; x += raster::kStampPx) {
         const raster::TriangleId* id = view.visibility.data() + raster::stamp_of(x, y) * samples_ * 16;
-        alignas(64) std::uint32_t color[16];
-        if (samples_ == 1) {
-          for (int lane = 0; lane < 16; ++lane)
-            color[lane] = id[lane] == raster::kNoTriangle ? kBackground : kSurface;
-        } else {
-          for (int lane = 0; lane < 16; ++lane) {
-            int covered = 0;
-            for (int s = 0; s < samples_; ++s) covered += id[16 * s + lane] != raster::kNoTriangle;
-            color[lane] = table[covered];
-          }
-        }
-        for (int row = 0; row < raster::kStampPx; ++row) {
-          std::memcpy(&band[row][x], color + raster::lane_of(0, row), 8);  // lanes of a row lie in pairs
-          std::memcpy(&band[row][x + 2], color + raster::lane_of(2, row), 8);
-        }
+        for (int row = 0; row < raster::kStampPx; ++row)
+          for (int column = 0; column < raster::kStampPx; ++column)
+            band[row][x + column] = color_of(id, raster::lane_of(column, row));
       }
       for (int row = 0; row < std::min(raster::kStampPx, view.height - y); ++row)
         std::memcpy(&picture_[static_cast<std::size_t>(view.origin.y + y + row) * width +
@@ -183,6 +185,7 @@ class Renderer {
   const Model& model_;
   raster::Viewport viewport_;
   int samples_;
+  std::uint32_t mixed_[raster::kMaxSamples + 1] = {};  // colour by covered samples
   std::vector<double> x_, y_, z_, w_;
   raster::Frame frame_;
   std::vector<raster::TileRasterizer> tiles_;
