@@ -51,13 +51,17 @@ TileBill::Totals& TileBill::Totals::operator+=(const Totals& other) {
 }
 
 TileBill::TileBill(const DrawList& list) {
-  for (const DrawState& draw : list.draws) {
-    const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
+  const auto add = [&](int program_index, Pass pass, bool blended) {
+    const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(program_index)];
     const PathInfo& path = program.path;
     draws_.push_back({{path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc},
+                      pass,
                       program.straight_line,
-                      draw.surface == Surface::Blended});
-  }
+                      blended});
+  };
+  for (const DrawState& draw : list.draws)
+    add(draw.pixel_program, draw.pass, draw.surface == Surface::Blended);
+  for (const ScreenDraw& draw : list.screen_draws) add(draw.pixel_program, draw.pass, draw.blended);
 }
 
 void TileBill::begin() {
@@ -68,38 +72,40 @@ void TileBill::begin() {
 void TileBill::billed(std::span<const raster::BilledStamp> stamps) {
   for (const raster::BilledStamp& stamp : stamps) {
     const DrawCost& draw = draws_[stamp.draw];
+    Totals& totals = totals_[static_cast<std::size_t>(draw.pass)];
     const std::uint16_t shaded = raster::shaded_lanes(stamp.covered);
     const std::size_t at = static_cast<std::size_t>(stamp.stamp) * 16;
     add_masked(&overdraw_[at], stamp.covered, 1);
     add_masked(&helpers_[at], static_cast<std::uint16_t>(shaded & ~stamp.covered), 1);
     const auto covered = static_cast<std::uint64_t>(std::popcount(stamp.covered)),
                lanes = static_cast<std::uint64_t>(std::popcount(shaded));
-    totals_.pixels += covered;
-    totals_.quads += lanes / 4;
-    totals_.helper_lanes += lanes - covered;
-    if (draw.blended) totals_.blended_pixels += covered;
+    totals.pixels += covered;
+    totals.quads += lanes / 4;
+    totals.helper_lanes += lanes - covered;
+    if (draw.blended) totals.blended_pixels += covered;
     if (!draw.is_static) continue;
     add_masked(&alu_words_[at], shaded, draw.lane.alu_words);
     add_masked(&alu_slots_[at], shaded, draw.lane.alu_slots);
     add_masked(&fetches_[at], shaded, draw.lane.fetches);
     add_masked(&fetch_cyc_[at], shaded, draw.lane.fetch_cyc);
-    totals_.alu_words += lanes * draw.lane.alu_words;
-    totals_.alu_slots += lanes * draw.lane.alu_slots;
-    totals_.fetches += lanes * draw.lane.fetches;
-    totals_.fetch_cyc += lanes * draw.lane.fetch_cyc;
+    totals.alu_words += lanes * draw.lane.alu_words;
+    totals.alu_slots += lanes * draw.lane.alu_slots;
+    totals.fetches += lanes * draw.lane.fetches;
+    totals.fetch_cyc += lanes * draw.lane.fetch_cyc;
   }
 }
 
-void TileBill::add_executed(int x, int y, const LaneCost& cost) {
+void TileBill::add_executed(std::uint32_t draw, int x, int y, const LaneCost& cost) {
   const auto at = static_cast<std::size_t>(raster::TileView::element(x, y));
   alu_words_[at] += cost.alu_words;
   alu_slots_[at] += cost.alu_slots;
   fetches_[at] += cost.fetches;
   fetch_cyc_[at] += cost.fetch_cyc;
-  totals_.alu_words += cost.alu_words;
-  totals_.alu_slots += cost.alu_slots;
-  totals_.fetches += cost.fetches;
-  totals_.fetch_cyc += cost.fetch_cyc;
+  Totals& totals = totals_[static_cast<std::size_t>(draws_[draw].pass)];
+  totals.alu_words += cost.alu_words;
+  totals.alu_slots += cost.alu_slots;
+  totals.fetches += cost.fetches;
+  totals.fetch_cyc += cost.fetch_cyc;
 }
 
 void TileBill::store(const raster::TileView& tile, int image_width, CostPlanes& planes) const {

@@ -27,6 +27,7 @@ LaneCost executed_cost(const PixelProgram& program, std::span<const std::uint32_
 /// One worker's tile. begin(), feed as BillSink and through add_executed(), then store().
 class TileBill : public raster::BillSink {
  public:
+  /// Stamps name list.draws first, then list.screen_draws.
   explicit TileBill(const DrawList& list);
 
   void begin();
@@ -34,7 +35,7 @@ class TileBill : public raster::BillSink {
   /// counts; what they cost depends on data and arrives through add_executed().
   void billed(std::span<const raster::BilledStamp> stamps) override;
   /// One executed lane of a program that branches on data. x, y: tile-relative pixel.
-  void add_executed(int x, int y, const LaneCost& cost);
+  void add_executed(std::uint32_t draw, int x, int y, const LaneCost& cost);
   /// Adds the tile to the frame's planes. Lanes right of or below the picture go to the nearest pixel of
   /// their quad.
   void store(const raster::TileView& tile, int image_width, CostPlanes& planes) const;
@@ -46,17 +47,18 @@ class TileBill : public raster::BillSink {
     std::uint64_t blended_pixels = 0;
     Totals& operator+=(const Totals& other);
   };
-  const Totals& totals() const { return totals_; }
+  const Totals& totals(Pass pass) const { return totals_[static_cast<std::size_t>(pass)]; }
 
  private:
   struct DrawCost {
     LaneCost lane;
+    Pass pass = Pass::Forward;
     bool is_static = true, blended = false;
   };
   std::vector<DrawCost> draws_;
   using Plane = std::array<std::uint32_t, raster::kTilePixels>;  // stamp order
   Plane alu_words_{}, alu_slots_{}, fetches_{}, fetch_cyc_{}, overdraw_{}, helpers_{};
-  Totals totals_;
+  std::array<Totals, kPassCount> totals_{};
 };
 
 }  // namespace aluminate::passes

@@ -1,10 +1,13 @@
 // A scene as the console would be given it: programs compiled, prepared and priced, constants on the grid,
-// textures decoded, draws in submission order (opaque, then alpha-tested, then blended from far to near).
+// textures decoded, draws in submission order (opaque, then alpha-tested, then what is not lit by a G-buffer,
+// then blended from far to near).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "platform/console/gpu_model.hpp"
@@ -23,6 +26,8 @@
 
 namespace aluminate::passes {
 
+inline constexpr std::size_t kMaxTargets = 4;
+
 /// Where one input row of a pixel program comes from.
 struct InputRow {
   enum class Kind : std::uint8_t { Varying, Face, PixelX, PixelY, Zero, One } kind = Kind::Varying;
@@ -35,10 +40,20 @@ struct PixelProgram {
   cost::StaticCost cost;
   PathInfo path;  // cost of one run of one lane
   std::vector<Varying> varyings;
-  std::vector<InputRow> inputs;         // one per Executable::inputs()
-  int color_row[4] = {-1, -1, -1, -1};  // output rows of COLOR0
+  std::vector<InputRow> inputs;  // one per Executable::inputs()
+  /// Output rows of COLOR0..3 by target and component; -1: not written.
+  std::array<std::array<int, 4>, kMaxTargets> color_row{};
   bool straight_line = true;
 };
+/// filter: what its fetches are priced as; surfaces sample mipmapped textures, screen passes read one texel.
+PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat& format,
+                                const console::GpuModel& gpu,
+                                cost::FilterAssumption filter = cost::FilterAssumption::Trilinear);
+
+/// The passes of a frame, in the order they are reported.
+enum class Pass : std::uint8_t { Gbuffer, Sun, Lights, Dome, Forward };
+inline constexpr std::size_t kPassCount = 5;
+std::string_view to_string(Pass pass);
 
 enum class Surface : std::uint8_t { Opaque, Masked, Blended };
 
@@ -47,10 +62,20 @@ struct DrawState {
   const scenes::Material* material = nullptr;
   int pixel_program = 0, vertex_program = 0;
   Surface surface = Surface::Opaque;
+  Pass pass = Pass::Forward;
   std::vector<double> constants;  // of the pixel program, on the grid
   std::vector<vm::SamplerBinding> samplers;
   std::size_t first_vertex = 0;  // in the frame's vertex arrays
   std::size_t first_varying = 0;
+};
+
+/// A screen-filling draw over the G-buffer as the console would make it; billed, see light_plan.hpp for what
+/// runs.
+struct ScreenDraw {
+  std::string name;  // "ambient + rig 0..3", "lamp 5"
+  Pass pass = Pass::Sun;
+  int pixel_program = 0;
+  bool blended = true;  // added to what is in the light buffer
 };
 
 struct DrawList {
@@ -63,7 +88,12 @@ struct DrawList {
   std::vector<PixelProgram> pixel_programs;
   std::vector<VertexProgram> vertex_programs;
   std::vector<cost::StaticCost> vertex_costs;
+  std::vector<Pass> vertex_passes;  // which pass a vertex program belongs to
   std::vector<DrawState> draws;
+  std::vector<ScreenDraw> screen_draws;
+  std::unique_ptr<scenes::Mesh> dome;  // of the dome's draw: one triangle, uv in NDC
+  FrameUniforms uniforms;
+  int gbuffer_targets = 0;                 // 32-bit colour targets; 0: no G-buffer
   std::vector<raster::Draw> raster_draws;  // parallel to draws
   std::vector<std::uint32_t> indices;
   std::size_t vertex_count = 0, varying_count = 0;

@@ -37,8 +37,12 @@ struct PassTotals {
   std::uint64_t helper_lanes = 0;
   std::uint64_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
   std::uint64_t vertices = 0, vertex_words = 0, triangles = 0;
-  std::uint64_t rop_pixels = 0, rop_blended = 0;  // pixels written, of those read-modify-write
-  std::uint64_t bytes = 0;  // main-memory traffic: vertices, indices, texels fetched once, resolve
+  std::uint64_t rop_pixels = 0, rop_blended = 0;  // pixels written; pixels read, modified and written
+  std::uint64_t rop_depth_only = 0;               // fragments that touch depth and stencil alone
+  int color_targets = 1;                          // 32-bit colour targets of rop_pixels
+  int tiling_passes = 1;                          // times its geometry is sent, for eDRAM too small
+  std::uint64_t resolve_pixels = 0;  // pixels of any target copied to memory, to be fetched later
+  std::uint64_t bytes = 0;           // main-memory traffic: vertices, indices, texels fetched once, resolve
 };
 
 /// A pixel program that took part, with the costs a lane pays for one run of it.
@@ -82,6 +86,9 @@ struct Frame {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
 };
+
+/// Planes of the right size: nothing covered, depth far, no cost.
+Frame blank_frame(const FrameOptions& options);
 
 /// Renders `scene`. Throws UserError for options that do not fit the scene or the shader.
 Frame render_frame(const scenes::Scene& scene, const FrameOptions& options);

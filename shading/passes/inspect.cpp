@@ -14,6 +14,7 @@
 #include "shading/passes/prepared.hpp"
 #include "shading/passes/resolve.hpp"
 #include "shading/passes/shade.hpp"
+#include "shading/passes/tile_worker.hpp"
 
 namespace aluminate::passes {
 namespace {
@@ -21,13 +22,19 @@ namespace {
 // Draws the pixel's tile again and writes down everything that touches the pixel.
 class Microscope : public raster::QuadShader, public raster::BillSink {
  public:
-  Microscope(const PreparedFrame& prepared, const raster::TileOptions& options,
-             const std::array<float, 3>& background, PixelReport& report)
+  /// `drawn`: the worker that has just drawn the pixel's tile into `gbuffer`.
+  Microscope(const PreparedFrame& prepared, const FrameOptions& options, const GBuffer& gbuffer,
+             const TileWorker& drawn, PixelReport& report)
       : prepared_(prepared),
-        tile_(prepared.raster_frame, options),
+        options_(tile_options(prepared.list.gpu, options)),
+        tile_(prepared.raster_frame, options_),
         shader_(prepared),
         samples_(static_cast<std::size_t>(prepared.raster_frame.samples())),
+        light_(prepared.list, prepared.light_plan, gbuffer, options.width, options.height, true),
+        drawn_(drawn),
+        lights_due_(prepared.list.gbuffer_targets > 0),
         report_(report) {
+    const std::array<float, 3> background = linear_background(options.background);
     colors_.fill({background[0], background[1], background[2]});
   }
 
@@ -38,6 +45,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     tile_.draw_opaque(this);
     trace_visible();
     tile_.draw_in_order(*this, this);
+    if (lights_due_) light_up();
     report_.depth_d24 = tile_.view().depth[static_cast<std::size_t>(tile_.view().element(x_, y_, 0))];
     for (std::size_t c = 0; c < 3; ++c) {
       double sum = 0;
@@ -59,6 +67,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
   }
 
   std::uint64_t shade(const raster::QuadBatch& batch) override {
+    if (lights_due_ && prepared_.list.draws[batch.draw].pass != Pass::Gbuffer) light_up();
     std::array<raster::QuadPosition, raster::kBatchQuads> quads;
     const auto count = static_cast<std::size_t>(batch.count);
     const int px = x_ + tile_.view().origin.x, py = y_ + tile_.view().origin.y;
@@ -90,6 +99,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     const bool blended = prepared_.list.draws[batch.draw].surface == Surface::Blended;
     if (!report_.visits.empty() && report_.visits.back().draw == batch.draw)
       report_.visits.back().outcome = !kept ? "discarded" : blended ? "blended" : "drawn";
+    if (prepared_.list.draws[batch.draw].pass == Pass::Gbuffer) return survivors_;
     for (const int lane : visible)
       for (std::size_t s = 0; s < samples_; ++s)
         if ((survivors_ & batch.visible_samples[s]) >> lane & 1) compose(s, lane, blended);
@@ -97,13 +107,59 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
   }
 
  private:
+  // A draw of the list, or one over the G-buffer.
+  const ScreenDraw* screen_draw(std::uint32_t draw) const {
+    const std::size_t first = prepared_.list.draws.size();
+    return draw < first ? nullptr : &prepared_.list.screen_draws[draw - first];
+  }
   const PixelProgram& program_of(std::uint32_t draw) const {
-    return prepared_.list.pixel_programs[static_cast<std::size_t>(prepared_.list.draws[draw].pixel_program)];
+    const ScreenDraw* over = screen_draw(draw);
+    return prepared_.list.pixel_programs[static_cast<std::size_t>(
+        over ? over->pixel_program : prepared_.list.draws[draw].pixel_program)];
+  }
+  const std::string& name_of(std::uint32_t draw) const {
+    const ScreenDraw* over = screen_draw(draw);
+    return over ? over->name : prepared_.list.draws[draw].mesh->name;
+  }
+
+  // The light passes, as billed; where a lit surface is seen here, traced.
+  void light_up() {
+    lights_due_ = false;
+    light_.bill(drawn_.view(), drawn_.lit(), options_.bill, *this);
+    const bool lit =
+        drawn_.lit()[static_cast<std::size_t>(raster::stamp_of(x_, y_))] >> raster::lane_of(x_, y_) & 1;
+    for (PixelVisit& visit : report_.visits)
+      if (screen_draw(visit.draw) && visit.outcome == "hidden") visit.outcome = lit ? "lit" : "not lit";
+    if (!lit) return;
+    glm::dvec3 radiance(0.0);
+    const auto groups = light_.trace(x_ + tile_.view().origin.x, y_ + tile_.view().origin.y, radiance);
+    for (int c = 0; c < 3; ++c) colors_[0][static_cast<std::size_t>(c)] = radiance[c];
+    for (const LightStage::TracedGroup& group : groups)
+      record(group.trace, prepared_.light_plan.programs[static_cast<std::size_t>(group.program)], false);
+  }
+
+  void record(const vm::Trace& recorded, const PixelProgram& program, bool anew) {
+    if (anew) {
+      report_.traced_program = program.path.program;
+      report_.trace.clear();
+    } else {
+      report_.traced_program += " > " + program.path.program;
+    }
+    for (const vm::TraceEntry& entry : recorded.entries) {
+      const vm::Instruction& instruction = program.program.code[entry.instruction];
+      const std::string file = instruction.line.file < program.program.files.size()
+                                   ? program.program.files[instruction.line.file]
+                                   : "";
+      report_.trace.push_back(
+          {vm::disassemble(program.program, instruction),
+           SourcePlace{file, static_cast<int>(instruction.line.line), instruction.line.column}.text(),
+           entry.result, entry.mask, entry.saturated != 0});
+    }
   }
 
   void add_visit(std::uint32_t draw, const char* outcome, const LaneCost& cost) {
-    report_.visits.push_back({draw, prepared_.list.draws[draw].mesh->name, program_of(draw).path.program,
-                              outcome, cost.alu_words, cost.alu_slots, cost.fetches, cost.fetch_cyc});
+    report_.visits.push_back({draw, name_of(draw), program_of(draw).path.program, outcome, cost.alu_words,
+                              cost.alu_slots, cost.fetches, cost.fetch_cyc});
     report_.alu_words += cost.alu_words;
     report_.alu_slots += cost.alu_slots;
     report_.fetches += cost.fetches;
@@ -119,8 +175,9 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       if (quad.x != (px & ~1) || quad.y != (py & ~1) || (quad.lanes >> lane & 1) == 0) continue;
       const raster::QuadPosition position{quad.triangle, quad.x, quad.y};
       trace({quad.draw, {&position, 1}, quad.lanes, nullptr}, lane);
-      for (std::size_t s = 0; s < samples_; ++s)
-        if (quad.samples >> (4 * s + static_cast<std::size_t>(lane)) & 1) compose(s, lane, false);
+      if (prepared_.list.draws[quad.draw].pass != Pass::Gbuffer)
+        for (std::size_t s = 0; s < samples_; ++s)
+          if (quad.samples >> (4 * s + static_cast<std::size_t>(lane)) & 1) compose(s, lane, false);
       for (auto visit = report_.visits.rbegin(); visit != report_.visits.rend(); ++visit) {
         if (visit->draw != quad.draw || visit->outcome != "hidden") continue;
         visit->outcome = "drawn";
@@ -133,19 +190,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     vm::Trace recorded;
     recorded.lane = lane;
     survivors_ = shader_.run_traced(job, recorded);
-    const PixelProgram& program = program_of(job.draw);
-    report_.traced_program = program.path.program;
-    report_.trace.clear();
-    for (const vm::TraceEntry& entry : recorded.entries) {
-      const vm::Instruction& instruction = program.program.code[entry.instruction];
-      const std::string file = instruction.line.file < program.program.files.size()
-                                   ? program.program.files[instruction.line.file]
-                                   : "";
-      report_.trace.push_back(
-          {vm::disassemble(program.program, instruction),
-           SourcePlace{file, static_cast<int>(instruction.line.line), instruction.line.column}.text(),
-           entry.result, entry.mask, entry.saturated != 0});
-    }
+    record(recorded, program_of(job.draw), true);
     return survivors_ >> lane & 1;
   }
 
@@ -157,10 +202,14 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
   }
 
   const PreparedFrame& prepared_;
+  raster::TileOptions options_;
   raster::TileRasterizer tile_;
   Shader shader_;
   const std::size_t samples_;  // a pixel
   std::array<std::array<double, 3>, raster::kMaxSamples> colors_{};
+  LightStage light_;
+  const TileWorker& drawn_;
+  bool lights_due_;
   PixelReport& report_;
   int x_ = 0, y_ = 0;  // tile-relative
   std::uint64_t survivors_ = 0;
@@ -185,13 +234,16 @@ PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& option
   report.x = x;
   report.y = y;
   PreparedFrame prepared;
-  prepared.list = make_draw_list(scene, options);
+  prepare(scene, options, prepared);
   shade_all_vertices(prepared);
   set_up_triangles(prepared, options);
   const raster::Viewport& viewport = prepared.raster_frame.viewport();
-  Microscope(prepared, tile_options(prepared.list.gpu, options), linear_background(options.background),
-             report)
-      .look(y / raster::kTilePx * viewport.tiles_x() + x / raster::kTilePx, x, y);
+  const int tile = y / raster::kTilePx * viewport.tiles_x() + x / raster::kTilePx;
+  Frame scratch = blank_frame(options);
+  GBuffer gbuffer(options.width, options.height, prepared.list.gbuffer_targets);
+  TileWorker worker(prepared, options, gbuffer, scratch);
+  worker.run(tile);
+  Microscope(prepared, options, gbuffer, worker, report).look(tile, x, y);
   return report;
 }
 

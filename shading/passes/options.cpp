@@ -9,6 +9,8 @@
 #include "platform/host/error.hpp"
 #include "platform/host/suggest.hpp"
 #include "platform/number/format.hpp"
+#include "shading/sky/cie_sky.hpp"
+#include "shading/sky/sun.hpp"
 
 namespace aluminate::passes {
 namespace {
@@ -18,7 +20,7 @@ struct Choice {
   std::string_view name;
   Enum value;
 };
-constexpr Choice<Pipeline> kPipelines[] = {{"forward", Pipeline::Forward}};
+constexpr Choice<Pipeline> kPipelines[] = {{"forward", Pipeline::Forward}, {"deferred", Pipeline::Deferred}};
 constexpr Choice<Tonemap> kTonemaps[] = {
     {"none", Tonemap::None}, {"reinhard", Tonemap::Reinhard}, {"filmic", Tonemap::Filmic}};
 constexpr Choice<LightLoop> kLightLoops[] = {
@@ -82,13 +84,16 @@ void set_size(FrameOptions& options, std::string_view value) {
 }
 
 void set_ambient(FrameOptions& options, std::string_view value) {
-  if (value == "none") {
-    options.ambient = AmbientKind::None;
-    return;
-  }
+  for (const auto& [name, kind] : {std::pair{"none", AmbientKind::None}, std::pair{"sky", AmbientKind::Sky},
+                                   std::pair{"hemisphere", AmbientKind::Hemisphere}})
+    if (value == name) {
+      options.ambient = kind;
+      return;
+    }
   const auto number = value.starts_with("flat:") ? parse_number(value.substr(5)) : std::nullopt;
   if (!number || *number < 0 || *number > 1000)
-    refuse("ambient", value, "none or flat:VALUE with VALUE from 0 to 1000", "for example flat:0.03");
+    refuse("ambient", value, "none, sky, hemisphere or flat:VALUE with VALUE from 0 to 1000",
+           "for example flat:0.03");
   options.ambient = AmbientKind::Flat;
   options.ambient_value = *number;
 }
@@ -113,6 +118,18 @@ void set_background(FrameOptions& options, std::string_view value) {
       refuse("background", value, "R,G,B, each from 0 to 1", "for example 0.05,0.06,0.08");
     options.background[static_cast<int>(i)] = *channel;
   }
+}
+
+glm::dvec3 parse_factors(std::string_view key, std::string_view value) {
+  const auto parts = split(value, ',');
+  glm::dvec3 factors(1.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto channel = parts.size() == 3 ? parse_number(parts[i]) : std::nullopt;
+    if (!channel || *channel < 0 || *channel > 16)
+      refuse(key, value, "R,G,B, each from 0 to 16", "for example 0.6,0.8,1");
+    factors[static_cast<int>(i)] = *channel;
+  }
+  return factors;
 }
 
 void set_no_skip(FrameOptions& options, std::string_view value) {
@@ -147,9 +164,15 @@ const std::vector<OptionInfo>& option_table() {
       {"msaa", "1|4", "samples a pixel, resolved in linear light (1)"},
       {"camera", "auto|outside|inside|gltf[:N]|ex,ey,ez:tx,ty,tz:fovy", "point of view (auto)"},
       {"lights", "rig:N|scene|none", "light set (scene if the file has lights, else rig:4)"},
-      {"ambient", "flat:V|none", "ambient light on cdiff + cspec (flat:0.03)"},
+      {"ambient", "flat:V|sky|hemisphere|none",
+       "ambient light on cdiff + cspec; sky: SH9 of --sky (flat:0.03)"},
+      {"sky", "none|1..15|fc3|a,b,c,d,e", "CIE sky behind the scene, with its sun as a light (none)"},
+      {"time", "HH:MM", "time of day of --sky: sun and colours (15:00)"},
+      {"sun", "ELEVATION,AZIMUTH", "sun of --sky in degrees, azimuth from +x towards -z; instead of --time"},
+      {"polarizer", "R,G,B", "factor on what is seen of the sky, never on its light (1,1,1)"},
       {"background", "R,G,B", "stored display values (0.05,0.06,0.08)"},
-      {"pipeline", "forward", "shading pipeline; this version has one"},
+      {"pipeline", "forward|deferred",
+       "where light meets surface: in each draw, or over a G-buffer (forward)"},
       {"visibility", "none|schlick-smith|integrated|cheap", "specular visibility term (schlick-smith)"},
       {"fresnel", "schlick|sg|sg-lagarde", "Fresnel term (schlick)"},
       {"tonemap", "none|reinhard|filmic", "tone map before display (none: clamp)"},
@@ -177,6 +200,19 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
     set_ambient(options, value);
   } else if (key == "background") {
     set_background(options, value);
+  } else if (key == "sky") {
+    if (value != "none") static_cast<void>(sky::parse_sky(value));  // throws what is wrong with it
+    options.sky = value;
+  } else if (key == "time") {
+    static_cast<void>(sky::parse_time(value));
+    options.time = value;
+    options.sun.clear();
+  } else if (key == "sun") {
+    static_cast<void>(sky::parse_sun(value));
+    options.sun = value;
+    options.time.clear();
+  } else if (key == "polarizer") {
+    options.polarizer = parse_factors(key, value);
   } else if (key == "pipeline") {
     options.pipeline = choose(key, value, kPipelines);
   } else if (key == "visibility") {
@@ -240,7 +276,16 @@ std::string_view to_string(Tonemap value) { return name_of(value, kTonemaps); }
 std::string_view to_string(LightLoop value) { return name_of(value, kLightLoops); }
 
 std::string ambient_text(const FrameOptions& options) {
-  return options.ambient == AmbientKind::None ? "none" : fmt::format("flat:{}", options.ambient_value);
+  switch (options.ambient) {
+    case AmbientKind::None:
+      return "none";
+    case AmbientKind::Sky:
+      return "sky";
+    case AmbientKind::Hemisphere:
+      return "hemisphere";
+    default:
+      return fmt::format("flat:{}", options.ambient_value);
+  }
 }
 
 }  // namespace aluminate::passes

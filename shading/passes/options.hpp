@@ -15,9 +15,9 @@
 
 namespace aluminate::passes {
 
-enum class Pipeline { Forward };
+enum class Pipeline { Forward, Deferred };
 enum class Tonemap { None, Reinhard, Filmic };
-enum class AmbientKind { None, Flat };
+enum class AmbientKind { None, Flat, Sky, Hemisphere };
 enum class LightLoop { Auto, Rolled, Unrolled };  // Auto: unrolled up to kUnrolledLights lights
 enum class VmTier { Auto, Interpreter };
 
@@ -27,10 +27,11 @@ inline constexpr int kUnrolledLights = 8;
 
 /// Names of the skips that `--no-skip` turns off (design: what a scene does not need is skipped and counted).
 /// The first eight are the rasterizer's; "mesh_bounds" leaves out draws whose bounds lie outside the view,
-/// "textures" decodes only the images that a draw samples.
-inline constexpr std::string_view kSkipNames[] = {"frustum",     "facing",  "small",       "tile_hiz",
-                                                  "block_hiz",   "early_z", "empty_tiles", "occluded",
-                                                  "mesh_bounds", "textures"};
+/// "textures" decodes only the images that a draw samples, "tile_lights" leaves bounded lights out of tiles
+/// they do not reach.
+inline constexpr std::string_view kSkipNames[] = {"frustum",     "facing",   "small",       "tile_hiz",
+                                                  "block_hiz",   "early_z",  "empty_tiles", "occluded",
+                                                  "mesh_bounds", "textures", "tile_lights"};
 
 struct FrameOptions {
   int width = 1280, height = 720;
@@ -41,6 +42,10 @@ struct FrameOptions {
   double ambient_value = 0.03;
   glm::dvec3 background{0.05, 0.06, 0.08};  // stored display values
   Pipeline pipeline = Pipeline::Forward;
+  std::string sky = "none";    // none, 1..15, fc3 or a,b,c,d,e
+  std::string time = "15:00";  // HH:MM; empty when `sun` was given
+  std::string sun;             // elevation,azimuth in degrees
+  glm::dvec3 polarizer{1};     // factor on what is seen of the sky
   brdf::Visibility visibility = brdf::Visibility::SchlickSmith;
   brdf::Fresnel fresnel = brdf::Fresnel::Schlick;
   Tonemap tonemap = Tonemap::None;
@@ -52,6 +57,8 @@ struct FrameOptions {
   VmTier vm = VmTier::Auto;
   std::set<std::string, std::less<>> no_skip;
   bool checked = false;  // name every instruction that saturated
+
+  bool has_sky() const { return sky != "none"; }
 };
 
 struct OptionInfo {
@@ -71,7 +78,7 @@ void set_options(FrameOptions& options, std::string_view assignments);
 std::string_view to_string(Pipeline);
 std::string_view to_string(Tonemap);
 std::string_view to_string(LightLoop);
-/// "flat:0.03" or "none".
+/// "flat:0.03", "sky", "hemisphere" or "none".
 std::string ambient_text(const FrameOptions& options);
 
 }  // namespace aluminate::passes

@@ -14,6 +14,11 @@ raster::SkipSet skip_set(const FrameOptions& options) {
 
 }  // namespace
 
+void prepare(const scenes::Scene& scene, const FrameOptions& options, PreparedFrame& prepared) {
+  prepared.list = make_draw_list(scene, options);
+  prepared.light_plan = make_light_plan(prepared.list, options);
+}
+
 void shade_all_vertices(PreparedFrame& prepared) {
   const DrawList& list = prepared.list;
   for (std::vector<double>* component : {&prepared.x, &prepared.y, &prepared.z, &prepared.w})

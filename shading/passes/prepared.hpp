@@ -7,11 +7,13 @@
 #include "rasterizer/frame.hpp"
 #include "rasterizer/tile.hpp"
 #include "shading/passes/draw_list.hpp"
+#include "shading/passes/light_plan.hpp"
 
 namespace aluminate::passes {
 
 struct PreparedFrame {
   DrawList list;
+  LightPlan light_plan;
   std::vector<double> x, y, z, w;  // clip space, all draws
   std::vector<double> varyings;
   std::vector<vm::Counters> vertex_counters;  // by vertex program
@@ -22,6 +24,8 @@ struct PreparedFrame {
   PreparedFrame& operator=(const PreparedFrame&) = delete;
 };
 
+/// Fills list and light_plan. Throws UserError for what cannot be drawn.
+void prepare(const scenes::Scene& scene, const FrameOptions& options, PreparedFrame& prepared);
 void shade_all_vertices(PreparedFrame& prepared);
 void set_up_triangles(PreparedFrame& prepared, const FrameOptions& options);
 

@@ -80,6 +80,40 @@ bool rolls_lights(const FrameOptions& options, int light_count) {
          (options.light_loop == LightLoop::Auto && light_count > kUnrolledLights);
 }
 
+LightSetup light_setup(const scenes::LightSet& lights) {
+  LightSetup setup{static_cast<int>(lights.lights.size()), false};
+  for (const scenes::ShadingLight& light : lights.lights)
+    setup.punctual |= light.k0 != 1.0 || light.inv_range2 != 0 || light.spot_scale != 0;
+  return setup;
+}
+
+namespace {
+
+void add_frame_defines(const FrameOptions& options, const LightSetup& lights, bool rolled,
+                       compiler::Options& c) {
+  c.stage = vm::Stage::Pixel;
+  c.defines.emplace_back("VISIBILITY", fmt::format("{}", static_cast<int>(options.visibility)));
+  c.defines.emplace_back("FRESNEL", fmt::format("{}", static_cast<int>(options.fresnel)));
+  c.defines.emplace_back("LIGHT_COUNT", fmt::format("{}", lights.count));
+  c.defines.emplace_back("UNROLL", rolled ? "0" : "1");
+  if (lights.punctual) c.defines.emplace_back("PUNCTUAL_LIGHTS", "1");
+  if (options.ambient == AmbientKind::Sky) c.defines.emplace_back("AMBIENT_KIND", "1");
+  if (options.ambient == AmbientKind::Hemisphere) c.defines.emplace_back("AMBIENT_KIND", "2");
+  c.loops = rolled ? compiler::LoopMode::Rolled : compiler::LoopMode::AsWritten;
+}
+
+void add_user_defines(const FrameOptions& options, compiler::Options& c) {
+  for (const auto& define : options.defines) {
+    std::erase_if(c.defines,
+                  [&](const auto& own) { return own.first == define.first; });  // the user's value wins
+    c.defines.push_back(define);
+  }
+}
+
+std::string lights_text(int count) { return fmt::format("{} light{}", count, count == 1 ? "" : "s"); }
+
+}  // namespace
+
 vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& features,
                           const LightSetup& lights, bool rolled) {
   compiler::Options c = options.shader.empty() ? programs::shipped("forward_lit.hlsl") : compiler::Options{};
@@ -87,22 +121,37 @@ vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& fe
     c.source_path = options.shader;
     programs::add_shipped_includes(c);
   }
+  c.defines = features.defines();
+  add_frame_defines(options, lights, rolled, c);
+  add_user_defines(options, c);
+  vm::Program program = compiler::compile(c);
+  program.name = fmt::format("{} [{}] {}", program.name, features.label(), lights_text(lights.count));
+  return program;
+}
+
+vm::Program compile_gbuffer_fill(const FrameOptions& options, const SurfaceFeatures& features,
+                                 bool emissive) {
+  compiler::Options c = programs::shipped("gbuffer_fill.hlsl");
   c.stage = vm::Stage::Pixel;
   c.defines = features.defines();
-  c.defines.emplace_back("VISIBILITY", fmt::format("{}", static_cast<int>(options.visibility)));
-  c.defines.emplace_back("FRESNEL", fmt::format("{}", static_cast<int>(options.fresnel)));
-  c.defines.emplace_back("LIGHT_COUNT", fmt::format("{}", lights.count));
-  c.defines.emplace_back("UNROLL", rolled ? "0" : "1");
-  if (lights.punctual) c.defines.emplace_back("PUNCTUAL_LIGHTS", "1");
-  for (const auto& define : options.defines) {
-    std::erase_if(c.defines,
-                  [&](const auto& own) { return own.first == define.first; });  // the user's value wins
-    c.defines.push_back(define);
-  }
-  c.loops = rolled ? compiler::LoopMode::Rolled : compiler::LoopMode::AsWritten;
+  if (emissive) c.defines.emplace_back("GBUFFER_EMISSIVE", "1");
+  add_user_defines(options, c);
   vm::Program program = compiler::compile(c);
-  program.name = fmt::format("{} [{}] {} light{}", program.name, features.label(), lights.count,
-                             lights.count == 1 ? "" : "s");
+  program.name = fmt::format("{} [{}]", program.name, features.label());
+  return program;
+}
+
+vm::Program compile_deferred_light(const FrameOptions& options, const LightGroup& group) {
+  compiler::Options c = programs::shipped("deferred_light.hlsl");
+  add_frame_defines(options, group.lights, rolls_lights(options, group.lights.count), c);
+  if (group.ambient) c.defines.emplace_back("AMBIENT", "1");
+  if (group.ambient && group.emissive) c.defines.emplace_back("GBUFFER_EMISSIVE", "1");
+  if (group.accumulate) c.defines.emplace_back("ACCUMULATE", "1");
+  if (group.orthographic) c.defines.emplace_back("ORTHOGRAPHIC", "1");
+  add_user_defines(options, c);
+  vm::Program program = compiler::compile(c);
+  program.name =
+      fmt::format("{} {}{}", program.name, group.ambient ? "ambient, " : "", lights_text(group.lights.count));
   return program;
 }
 
@@ -110,6 +159,20 @@ vm::Program compile_vertex(const SurfaceFeatures& features) {
   compiler::Options c = programs::shipped("transform.hlsl");
   c.stage = vm::Stage::Vertex;
   c.defines = features.defines();
+  return compiler::compile(c);
+}
+
+vm::Program compile_dome(const FrameOptions& options) {
+  compiler::Options c = programs::shipped("dome.hlsl");
+  if (options.polarizer != glm::dvec3(1.0)) c.defines.emplace_back("POLARIZER", "1");
+  add_user_defines(options, c);
+  return compiler::compile(c);
+}
+
+vm::Program compile_dome_vertex(bool orthographic) {
+  compiler::Options c = programs::shipped("dome_vertex.hlsl");
+  c.stage = vm::Stage::Vertex;
+  if (orthographic) c.defines.emplace_back("ORTHOGRAPHIC", "1");
   return compiler::compile(c);
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/light_rig.hpp"
 #include "scenes/scene.hpp"
 #include "shading/passes/options.hpp"
 #include "shading/vm/program.hpp"
@@ -55,12 +56,24 @@ struct LightSetup {
   int count = 0;
   bool punctual = false;  // lights of the file: inverse square, range, cone
 };
+LightSetup light_setup(const scenes::LightSet& lights);
 
 /// The pixel shader of a surface: forward_lit.hlsl, or the user's file with the same macros.
 /// rolled: keep the light loop a loop.
 vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& features,
                           const LightSetup& lights, bool rolled);
+/// The material of a lit surface into three targets, or four with what it emits.
+vm::Program compile_gbuffer_fill(const FrameOptions& options, const SurfaceFeatures& features, bool emissive);
+/// A group of lights over the G-buffer. accumulate: adds to an input instead of starting from black.
+struct LightGroup {
+  LightSetup lights;
+  bool ambient = false, emissive = false, accumulate = false, orthographic = false;
+};
+vm::Program compile_deferred_light(const FrameOptions& options, const LightGroup& group);
 vm::Program compile_vertex(const SurfaceFeatures& features);
+/// The sky behind everything: pixel and vertex shader of its one triangle.
+vm::Program compile_dome(const FrameOptions& options);
+vm::Program compile_dome_vertex(bool orthographic);
 vm::Program compile_tonemap(Tonemap tonemap);
 vm::Program compile_eval_brdf(brdf::Visibility visibility, brdf::Fresnel fresnel);
 

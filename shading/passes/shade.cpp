@@ -78,10 +78,11 @@ vm::Batch Shader::make_batch(const ShadingJob& job) {
 }
 
 void Shader::find_color(const PixelProgram& program) {
-  for (std::size_t c = 0; c < 4; ++c) {
-    const int row = program.color_row[c];
-    color_[c] = row < 0 ? nullptr : outputs_.row(static_cast<std::size_t>(row));
-  }
+  for (std::size_t target = 0; target < kMaxTargets; ++target)
+    for (std::size_t c = 0; c < 4; ++c) {
+      const int row = program.color_row[target][c];
+      color_[target][c] = row < 0 ? nullptr : outputs_.row(static_cast<std::size_t>(row));
+    }
 }
 
 std::uint64_t Shader::run(const ShadingJob& job) {

@@ -32,9 +32,10 @@ class Shader {
   std::uint64_t run(const ShadingJob& job);
   /// The same through the reference interpreter, recording every instruction of one lane. Slow.
   std::uint64_t run_traced(const ShadingJob& job, vm::Trace& trace);
-  /// RGBA rows of 64 lanes: linear radiance and alpha.
-  double color(int channel, int lane) const {
-    return color_[static_cast<std::size_t>(channel)] ? color_[static_cast<std::size_t>(channel)][lane] : 1.0;
+  /// RGBA rows of 64 lanes: linear radiance and alpha, or what a target of the G-buffer receives.
+  double color(int channel, int lane, std::size_t target = 0) const {
+    const double* row = color_[target][static_cast<std::size_t>(channel)];
+    return row ? row[lane] : 1.0;
   }
   /// Input rows of the last job, in the order of PixelProgram::inputs: for inspection and tests.
   const double* input_row(std::size_t row) const { return inputs_.row(row); }
@@ -56,7 +57,7 @@ class Shader {
   host::AlignedRows inputs_, outputs_;
   raster::BarycentricRows barycentrics_;
   std::array<raster::TriangleInfo, raster::kBatchQuads> triangles_{};
-  std::array<const double*, 4> color_{};
+  std::array<std::array<const double*, 4>, kMaxTargets> color_{};
 };
 
 }  // namespace aluminate::passes

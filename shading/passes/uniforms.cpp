@@ -9,12 +9,18 @@
 #include "platform/host/error.hpp"
 #include "platform/host/suggest.hpp"
 #include "shading/passes/programs.hpp"
+#include "shading/passes/view_rays.hpp"
 
 namespace aluminate::passes {
 namespace {
 
 using Value = std::vector<glm::dvec4>;  // one vec4 per register
 using Source = std::function<Value(const FrameUniforms&, const scenes::Material&)>;
+
+const SkySetup& sky_of(const FrameUniforms& frame) {
+  static const SkySetup kNone;
+  return frame.sky ? *frame.sky : kNone;
+}
 
 Value per_light(const FrameUniforms& frame, glm::dvec4 (*of)(const scenes::ShadingLight&)) {
   Value value;
@@ -28,14 +34,72 @@ const std::map<std::string, Source, std::less<>>& sources() {
       {"world_to_clip",
        [](const FrameUniforms& f, const scenes::Material&) {
          // Column-major registers: what mul(M, v) and M * v read.
-         return Value{f.world_to_clip[0], f.world_to_clip[1], f.world_to_clip[2], f.world_to_clip[3]};
+         const glm::dmat4 m = f.view.world_to_clip();
+         return Value{m[0], m[1], m[2], m[3]};
        }},
       {"eye",
        [](const FrameUniforms& f, const scenes::Material&) {
-         return Value{{f.eye, 1.0}};
+         return Value{{f.view.eye, 1.0}};
        }},
       {"ambient",
        [](const FrameUniforms& f, const scenes::Material&) { return Value{glm::dvec4(f.ambient)}; }},
+      {"sky_sun",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).sun_direction}; }},
+      {"sky_gradation",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).gradation}; }},
+      {"sky_indicatrix",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).indicatrix}; }},
+      {"sky_zenith", [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).zenith}; }},
+      {"sky_horizon",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).horizon}; }},
+      {"night_zenith",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).night_zenith}; }},
+      {"night_horizon",
+       [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).night_horizon}; }},
+      {"polarizer",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{f.polarizer, 1.0}};
+       }},
+      {"ambient_sh",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value(sky_of(f).ambient_sh.begin(), sky_of(f).ambient_sh.end());
+       }},
+      {"ambient_upper",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{sky_of(f).hemisphere.upper, 0.0}};
+       }},
+      {"ambient_lower",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{sky_of(f).hemisphere.lower, 0.0}};
+       }},
+      {"dome_depth",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{f.dome_depth, 0.0, 0.0, 0.0}};
+       }},
+      {"gbuffer_emissive_scale",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{f.emissive_scale, f.emissive_scale > 0 ? 1 / f.emissive_scale : 0.0, 0.0, 0.0}};
+       }},
+      {"depth_to_distance",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{ViewRays(f.view).depth_to_distance, 0.0}};
+       }},
+      {"view_forward",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{ViewRays(f.view).forward, 0.0}};
+       }},
+      {"view_right",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{ViewRays(f.view).right, 0.0}};
+       }},
+      {"view_up",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{ViewRays(f.view).up, 0.0}};
+       }},
+      {"view_origin",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         return Value{{f.view.eye, 1.0}};
+       }},
       {"light_position",
        [](const FrameUniforms& f, const scenes::Material&) {
          return per_light(f, [](const scenes::ShadingLight& l) { return l.position; });

@@ -3,22 +3,33 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "scenes/light_rig.hpp"
 #include "scenes/scene.hpp"
 #include "scenes/view.hpp"
 #include "shading/passes/options.hpp"
+#include "shading/passes/sky_setup.hpp"
 #include "shading/vm/program.hpp"
 
 namespace aluminate::passes {
 
 /// What is the same for every draw of a frame.
 struct FrameUniforms {
-  glm::dmat4 world_to_clip{1};
-  glm::dvec3 eye{0};  // normalised world units
-  double ambient = 0;
+  scenes::View view;
+  double ambient = 0;  // flat
   std::vector<scenes::ShadingLight> lights;
+  std::optional<SkySetup> sky;
+  AmbientKind ambient_kind = AmbientKind::Flat;
+  glm::dvec3 polarizer{1};
+  double dome_depth =
+      1;  // clip z at w = 1 that rounds to the last depth before the cleared one, or just before
+  double emissive_scale = 0;  // power of two no emissive factor exceeds; 0: nothing glows
+
+  bool has_ambient() const {
+    return ambient_kind == AmbientKind::Flat ? ambient > 0 : ambient_kind != AmbientKind::None;
+  }
 };
 
 /// uniform_count x 4 values for `program` under `material` (nullptr: none). Throws UserError for an unknown

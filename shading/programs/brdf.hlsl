@@ -11,6 +11,9 @@
 // as large, so that no intermediate leaves the range of 2^20 while the product is in it: V * norm alone reaches 6.6e6.
 // Constants end in L: full precision, where a plain literal would be rounded to 24 bits.
 
+#ifndef BRDF_HLSL
+#define BRDF_HLSL
+
 #define VISIBILITY_NONE 0
 #define VISIBILITY_SCHLICK_SMITH 1
 #define VISIBILITY_INTEGRATED 2
@@ -66,3 +69,5 @@ float specular_lobe_8th(float m, float n_dot_l, float n_dot_v, float n_dot_h) {
   return lobe * (0.03125 * m + 0.015625);                                 // (2 m + 1) / 8 [McAuley12]
 #endif
 }
+
+#endif

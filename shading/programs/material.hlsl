@@ -1,6 +1,7 @@
 // The surface under a pixel: what the textures and factors of a glTF material say, in the terms the BRDF wants.
 // A map that the material lacks is compiled out (HAS_*), never sampled.
 
+#include "surface.hlsl"
 #include "brdf.hlsl"
 
 float4 base_color_factor;              // linear
@@ -45,16 +46,6 @@ struct Interpolants {
 #if DOUBLE_SIDED
   float face : VFACE;                  // +1 front, -1 back
 #endif
-};
-
-struct Surface {
-  float3 n;
-  float3 cdiff;
-  float3 cspec;
-  float3 emissive;
-  float m;                             // Blinn-Phong power
-  float occlusion;
-  float alpha;
 };
 
 #if HAS_UV

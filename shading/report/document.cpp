@@ -209,6 +209,11 @@ std::string canonical_command(const std::string& verb, const Origin& origin) {
       passes::to_string(o.pipeline), brdf::to_string(o.visibility), brdf::to_string(o.fresnel),
       passes::to_string(o.tonemap), o.number, o.platform, passes::to_string(o.light_loop));
   if (o.msaa != 1) text += fmt::format(" --msaa {}", o.msaa);
+  if (o.has_sky()) {
+    text += " --sky " + o.sky + (o.sun.empty() ? " --time " + o.time : " --sun " + o.sun);
+    if (o.polarizer != glm::dvec3(1.0))
+      text += fmt::format(" --polarizer {},{},{}", o.polarizer.r, o.polarizer.g, o.polarizer.b);
+  }
   if (!o.shader.empty()) text += " --shader " + o.shader;
   for (const auto& [name, value] : o.defines) text += fmt::format(" -D {}={}", name, value);
   return text;

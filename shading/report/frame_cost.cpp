@@ -1,7 +1,5 @@
 #include "shading/report/frame_cost.hpp"
 
-#include "platform/console/edram.hpp"
-
 namespace aluminate::report {
 
 std::vector<console::PassWork> pass_work(const passes::Frame& frame, const console::GpuModel& gpu) {
@@ -19,29 +17,36 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
     work.vertices = static_cast<double>(pass.vertices);
     work.vertex_words = static_cast<double>(pass.vertex_words);
     work.triangles = static_cast<double>(pass.triangles);
-    work.rop.push_back(
-        {.pixels = static_cast<double>(pass.rop_pixels), .blend = false, .samples = frame.samples});
+    work.tiling_passes = pass.tiling_passes;
+    work.resolve_pixels = static_cast<double>(pass.resolve_pixels);
+    work.rop.push_back({.pixels = static_cast<double>(pass.rop_pixels),
+                        .blend = false,
+                        .samples = frame.samples,
+                        .targets = pass.color_targets});
     if (pass.rop_blended > 0)
       work.rop.push_back(
           {.pixels = static_cast<double>(pass.rop_blended), .blend = true, .samples = frame.samples});
+    if (pass.rop_depth_only > 0)
+      work.rop.push_back({.pixels = static_cast<double>(pass.rop_depth_only),
+                          .format = console::ColorFormat::None,
+                          .samples = frame.samples});
     work.bytes.push_back({"geometry and textures", static_cast<double>(pass.bytes)});
     // Without eDRAM every colour and depth access goes to memory: 4 bytes a sample each, read and written
     // where blended. No compression of samples is assumed.
     if (!gpu.has_edram()) {
       const double samples = frame.samples;
-      work.bytes.push_back({"colour", samples * (4.0 * static_cast<double>(pass.rop_pixels) +
-                                                 8.0 * static_cast<double>(pass.rop_blended))});
-      work.bytes.push_back({"depth", samples * (4.0 * static_cast<double>(pass.pixels) +
+      work.bytes.push_back(
+          {"colour", samples * (4.0 * pass.color_targets * static_cast<double>(pass.rop_pixels) +
+                                8.0 * static_cast<double>(pass.rop_blended))});
+      work.bytes.push_back({"depth", samples * (4.0 * static_cast<double>(pass.pixels + pass.rop_depth_only) +
                                                 4.0 * static_cast<double>(pass.rop_pixels))});
+    } else if (pass.resolve_pixels > 0) {
+      work.bytes.push_back({"resolve", 4.0 * static_cast<double>(pass.resolve_pixels)});
     }
     works.push_back(std::move(work));
   }
-  if (gpu.has_edram() && !works.empty()) {
-    const console::SurfaceShape surface{
-        .width_px = frame.width, .height_px = frame.height, .samples = frame.samples};
-    const console::SurfaceShape surfaces[] = {surface, surface};  // colour and depth
-    works.front().tiling_passes = console::tiling_passes(gpu, surfaces);
-    works.back().resolve_pixels = static_cast<double>(frame.pixel_count());
+  if (gpu.has_edram() && !works.empty()) {  // the picture itself
+    works.back().resolve_pixels += static_cast<double>(frame.pixel_count());
     works.back().bytes.push_back({"resolve", 4.0 * static_cast<double>(frame.pixel_count())});
   } else if (frame.samples > 1 && !works.empty()) {
     // A full-screen pass reads every sample and writes the pixel.

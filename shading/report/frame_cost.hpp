@@ -9,9 +9,9 @@
 
 namespace aluminate::report {
 
-/// One PassWork for each pass of the frame. Colour is one 32-bit target with D24, both with the frame's
-/// samples a pixel (a written pixel is billed with all of them); on consoles with eDRAM the last pass also
-/// pays the resolve of the picture, and geometry is sent once for each predicated-tiling pass.
+/// One PassWork for each pass of the frame. Every target is 32-bit, with D24, both with the frame's samples a
+/// pixel (a written pixel is billed with all of them); on consoles with eDRAM a pass pays for the targets
+/// later passes fetch and the last one for the resolve of the picture.
 std::vector<console::PassWork> pass_work(const passes::Frame& frame, const console::GpuModel& gpu);
 
 /// budget_ms <= 0: the platform's own frame.

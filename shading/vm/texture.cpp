@@ -229,4 +229,15 @@ Texture Texture::from_levels(TextureShape shape, std::vector<MipLevel> levels, b
   return texture;
 }
 
+Texture Texture::render_target(int width, int height) {
+  MipLevel level{width, height, 1, {}, {}};
+  level.codes16.resize(level.texel_count() * 4);
+  return from_level(TextureShape::Flat, std::move(level), false, false);
+}
+
+void Texture::set_texel(std::size_t texel, std::uint64_t rgba) noexcept {
+  for (std::size_t c = 0; c < 4; ++c) levels_[0].codes16[4 * texel + c] = static_cast<std::uint16_t>(rgba >> 16 * c);
+  texels_[texel] = rgba ^ 0x8000800080008000u;  // see filter_texels()
+}
+
 }  // namespace aluminate::vm

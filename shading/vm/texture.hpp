@@ -51,6 +51,12 @@ class Texture {
   /// before, rounded down.
   static Texture from_levels(TextureShape shape, std::vector<MipLevel> levels, bool srgb);
 
+  /// A surface drawn into and read back: flat, one level of 16-bit linear channels, zero until set_texel() writes them.
+  static Texture render_target(int width, int height);
+  /// texel: index in level 0; rgba: four 16-bit channels, R in the low bits. Different texels may be written
+  /// by different threads.
+  void set_texel(std::size_t texel, std::uint64_t rgba) noexcept;
+
   TextureShape shape() const { return shape_; }
   bool srgb() const { return srgb_; }
   const std::vector<MipLevel>& levels() const { return levels_; }

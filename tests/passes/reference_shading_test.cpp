@@ -142,7 +142,7 @@ struct Agreement {
 
 Agreement compare_with_reference(const scenes::Scene& scene, const FrameOptions& options) {
   PreparedFrame prepared;
-  prepared.list = make_draw_list(scene, options);
+  prepare(scene, options, prepared);
   shade_all_vertices(prepared);
   set_up_triangles(prepared, options);
   raster::TileRasterizer tile(prepared.raster_frame, tile_options(prepared.list.gpu, options));

@@ -1,0 +1,142 @@
+// From a scene to a frame: vertices, set-up, then tile by tile visibility, shading and the bill.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "platform/host/parallel.hpp"
+#include "platform/host/progress.hpp"
+#include "platform/host/workers.hpp"
+#include "rasterizer/frame.hpp"
+#include "shading/passes/frame.hpp"
+#include "shading/passes/pass_totals.hpp"
+#include "shading/passes/prepared.hpp"
+#include "shading/passes/resolve.hpp"
+#include "shading/passes/tile_worker.hpp"
+
+namespace aluminate::passes {
+namespace {
+
+class PhaseClock {
+ public:
+  explicit PhaseClock(Timing& timing) : timing_(timing) {}
+  void end(const char* phase) {
+    const auto now = std::chrono::steady_clock::now();
+    timing_.phases_ms[phase] += std::chrono::duration<double, std::milli>(now - start_).count();
+    start_ = now;
+  }
+
+ private:
+  Timing& timing_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void add_saturations(const vm::Program& program, const vm::Counters& counters, bool checked, Frame& frame) {
+  for (std::size_t i = 0; i < counters.saturations.size(); ++i) {
+    if (counters.saturations[i] == 0) continue;
+    frame.saturations += counters.saturations[i];
+    if (!checked) continue;
+    const vm::SourceLine& line = program.code[i].line;
+    const std::string file = line.file < program.files.size() ? program.files[line.file] : program.name;
+    frame.saturated_instructions.push_back({fmt::format("{}:{}:{}", file, line.line, line.column),
+                                            vm::disassemble(program, program.code[i]),
+                                            counters.saturations[i]});
+  }
+}
+
+}  // namespace
+
+Frame blank_frame(const FrameOptions& options) {
+  Frame frame;
+  frame.width = options.width;
+  frame.height = options.height;
+  const std::size_t pixels = frame.pixel_count();
+  frame.linear.resize(pixels * 4);
+  frame.covered.resize(pixels);
+  frame.depth_d24.assign(pixels, raster::kDepthMax);
+  CostPlanes& cost = frame.cost;
+  for (auto* plane : {&cost.alu_words, &cost.alu_slots, &cost.fetches, &cost.fetch_cyc, &cost.overdraw,
+                      &cost.helpers, &cost.path})
+    plane->resize(pixels);
+  return frame;
+}
+
+Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
+  Frame frame = blank_frame(options);
+  PhaseClock clock(frame.timing);
+  const auto started = std::chrono::steady_clock::now();
+  PreparedFrame prepared;
+  prepare(scene, options, prepared);
+  const DrawList& list = prepared.list;
+  frame.warnings = list.warnings;
+  frame.lights = list.lights.description;
+  frame.light_count = static_cast<int>(list.lights.lights.size());
+  for (const PixelProgram& program : list.pixel_programs) frame.paths.push_back(program.path);
+  clock.end("prepare");
+
+  shade_all_vertices(prepared);
+  clock.end("vertex");
+  set_up_triangles(prepared, options);
+  clock.end("setup");
+  const raster::Frame& raster_frame = prepared.raster_frame;
+  const std::vector<vm::Counters>& vertex_counters = prepared.vertex_counters;
+
+  clear_to_background(options.background, frame);
+  GBuffer gbuffer(options.width, options.height, list.gbuffer_targets);
+  host::PerWorker<TileWorker> workers([&] { return TileWorker(prepared, options, gbuffer, frame); });
+  const auto order = raster_frame.tile_order();
+  host::Progress progress("tiles", static_cast<std::int64_t>(order.size()));
+  host::parallel_for_workers(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int worker) {
+    workers[worker].run(static_cast<int>(order[static_cast<std::size_t>(i)]));
+    progress.advance();
+  });
+  clock.end("tiles");
+
+  std::array<TileBill::Totals, kPassCount> bill;
+  raster::TileCounters tile_counters;
+  std::uint64_t tile_lights = 0;
+  std::vector<vm::Counters> pixel_counters, light_counters;
+  for (const PixelProgram& program : list.pixel_programs) pixel_counters.emplace_back(program.executable);
+  for (const PixelProgram& program : prepared.light_plan.programs)
+    light_counters.emplace_back(program.executable);
+  workers.for_each([&](const TileWorker& worker) {
+    for (std::size_t pass = 0; pass < kPassCount; ++pass)
+      bill[pass] += worker.bill().totals(static_cast<Pass>(pass));
+    tile_counters += worker.tile_counters();
+    tile_lights += worker.light_stage().stage_counters().tile_lights;
+    for (std::size_t p = 0; p < pixel_counters.size(); ++p)
+      pixel_counters[p] += worker.shader().counters()[p];
+    for (std::size_t p = 0; p < light_counters.size(); ++p)
+      light_counters[p] += worker.light_stage().counters()[p];
+  });
+  for (std::size_t p = 0; p < pixel_counters.size(); ++p) {
+    vm::raise_loop_overrun(list.pixel_programs[p].program, pixel_counters[p]);
+    add_saturations(list.pixel_programs[p].program, pixel_counters[p], options.checked, frame);
+  }
+  for (std::size_t p = 0; p < light_counters.size(); ++p)
+    add_saturations(prepared.light_plan.programs[p].program, light_counters[p], options.checked, frame);
+  for (std::size_t p = 0; p < vertex_counters.size(); ++p)
+    add_saturations(list.vertex_programs[p].program, vertex_counters[p], options.checked, frame);
+  frame.saturations += list.sanitised_constants;
+
+  const raster::SetupCounters& setup = raster_frame.counters();
+  frame.passes = pass_totals(prepared, bill, options.width, options.height);
+  frame.skipped = {
+      {"frustum", setup.frustum},
+      {"facing", setup.facing},
+      {"small", setup.small},
+      {"tile_hiz", tile_counters.tile_hiz},
+      {"block_hiz", tile_counters.block_hiz},
+      {"early_z", tile_counters.early_z},
+      {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
+      {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())},
+      {"tile_lights", tile_lights}};
+  frame.dropped = {{"not a finite position", setup.dropped_nonfinite}};
+  resolve(options, list, frame);
+  clock.end("resolve");
+  frame.timing.frame_ms = {
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count()};
+  return frame;
+}
+
+}  // namespace aluminate::passes

@@ -1,0 +1,138 @@
+#include "shading/passes/tile_worker.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace aluminate::passes {
+
+TileWorker::TileWorker(const PreparedFrame& prepared, const FrameOptions& options, GBuffer& gbuffer,
+                       Frame& frame)
+    : list_(prepared.list),
+      raster_frame_(prepared.raster_frame),
+      options_(tile_options(prepared.list.gpu, options)),
+      tile_(prepared.raster_frame, options_),
+      shader_(prepared),
+      bill_(prepared.list),
+      light_(prepared.list, prepared.light_plan, gbuffer, frame.width, frame.height,
+             !options.no_skip.contains("tile_lights")),
+      gbuffer_(gbuffer),
+      frame_(frame) {}
+
+void TileWorker::run(int tile) {
+  bill_.begin();
+  tile_.begin(tile);
+  lit_.fill(0);
+  lights_due_ = list_.gbuffer_targets > 0;
+  tile_.draw_opaque(&bill_);
+  shade_visible();
+  tile_.draw_in_order(*this, &bill_);
+  if (lights_due_) light_up();
+  bill_.store(tile_.view(), frame_.width, frame_.cost);
+  raster::store_depth(tile_.view(), frame_.depth_d24, frame_.width);
+}
+
+std::uint64_t TileWorker::shade(const raster::QuadBatch& batch) {
+  const DrawState& draw = list_.draws[batch.draw];
+  if (lights_due_ && draw.pass != Pass::Gbuffer) light_up();
+  const PixelProgram& program = list_.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
+  std::array<raster::QuadPosition, raster::kBatchQuads> quads;
+  const auto count = static_cast<std::size_t>(batch.count);
+  for (std::size_t q = 0; q < count; ++q) quads[q] = {batch.triangle[q], batch.x[q], batch.y[q]};
+  std::uint32_t* lane_blocks = nullptr;
+  if (!program.straight_line) {
+    lane_blocks_.assign(program.executable.block_count() * vm::kLanes, 0);
+    lane_blocks = lane_blocks_.data();
+  }
+  const std::uint64_t wanted = batch.visible | (program.straight_line ? 0 : batch.billed);
+  const std::uint64_t kept =
+      shader_.run({batch.draw, {quads.data(), count}, wanted, lane_blocks}) & batch.visible;
+  if (lane_blocks) bill_executed(program, batch);
+  for (std::uint64_t lanes = kept; lanes; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    const std::size_t q = static_cast<std::size_t>(lane) / 4;
+    store(batch.x[q] + (lane & 1), batch.y[q] + (lane >> 1 & 1), lane, draw);
+  }
+  return kept;
+}
+
+void TileWorker::shade_visible() {
+  raster::gather_visible_quads(raster_frame_, tile_.view(), visible_);
+  std::array<raster::QuadPosition, raster::kBatchQuads> quads;
+  for (std::size_t first = 0; first < visible_.size();) {
+    const std::uint32_t draw = visible_[first].draw;
+    std::size_t count = 0;
+    std::uint64_t covered = 0;
+    while (count < raster::kBatchQuads && first + count < visible_.size() &&
+           visible_[first + count].draw == draw) {
+      const raster::VisibleQuad& quad = visible_[first + count];
+      quads[count] = {quad.triangle, quad.x, quad.y};
+      covered |= std::uint64_t{quad.lanes} << 4 * count;
+      ++count;
+    }
+    shader_.run({draw, {quads.data(), count}, covered, nullptr});
+    for (std::uint64_t lanes = covered; lanes; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      const raster::QuadPosition& quad = quads[static_cast<std::size_t>(lane) / 4];
+      store(quad.x + (lane & 1), quad.y + (lane >> 1 & 1), lane, list_.draws[draw]);
+    }
+    first += count;
+  }
+}
+
+// The G-buffer of the tile is complete: no later draw of the list writes it.
+void TileWorker::light_up() {
+  lights_due_ = false;
+  const raster::TileView view = tile_.view();
+  for (std::size_t stamp = 0; stamp < lit_.size(); ++stamp)
+    for (unsigned rest = lit_[stamp]; rest != 0; rest &= rest - 1) {
+      const int lane = std::countr_zero(rest);
+      const int x = view.origin.x + raster::stamp_x(static_cast<int>(stamp)) + raster::lane_x(lane),
+                y = view.origin.y + raster::stamp_y(static_cast<int>(stamp)) + raster::lane_y(lane);
+      gbuffer_.store_depth(
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x),
+          view.depth[16 * stamp + static_cast<std::size_t>(lane)]);
+    }
+  light_.bill(view, lit_, options_.bill, bill_);
+  light_.run(view, lit_, frame_);
+}
+
+// Result of one pixel into the frame: G-buffer texels, or colour that replaces or blends over what is there,
+// in linear light.
+void TileWorker::store(int x, int y, int lane, const DrawState& draw) {
+  const std::size_t at =
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
+  frame_.covered[at] = 1;
+  frame_.cost.path[at] = static_cast<std::uint32_t>(draw.pixel_program) + 1;
+  float* pixel = &frame_.linear[at * 4];
+  pixel[3] = 1.0f;
+  if (draw.pass == Pass::Gbuffer) {
+    gbuffer_.store(at, [&](std::size_t target, int channel) { return shader_.color(channel, lane, target); });
+    const raster::TileOrigin origin = tile_.view().origin;
+    const int tx = x - origin.x, ty = y - origin.y;
+    lit_[static_cast<std::size_t>(raster::stamp_of(tx, ty))] |=
+        static_cast<std::uint16_t>(1u << raster::lane_of(tx, ty));
+    return;
+  }
+  if (draw.surface == Surface::Blended) {
+    const double alpha = std::clamp(shader_.color(3, lane), 0.0, 1.0);
+    for (int c = 0; c < 3; ++c)
+      pixel[c] = static_cast<float>(shader_.color(c, lane) * alpha + pixel[c] * (1.0 - alpha));
+  } else {
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(shader_.color(c, lane));
+  }
+}
+
+// Executed cost of a batch whose program branches on data: blocks times executions, for every lane of a
+// billed quad.
+void TileWorker::bill_executed(const PixelProgram& program, const raster::QuadBatch& batch) {
+  const raster::TileOrigin origin = tile_.view().origin;
+  for (int lane = 0; lane < 4 * batch.count; ++lane) {
+    if ((batch.billed >> (lane & ~3) & 0xf) == 0) continue;
+    const LaneCost cost = executed_cost(program, lane_blocks_, lane);
+    const auto q = static_cast<std::size_t>(lane) / 4;
+    bill_.add_executed(batch.draw, batch.x[q] + (lane & 1) - origin.x,
+                       batch.y[q] + (lane >> 1 & 1) - origin.y, cost);
+  }
+}
+
+}  // namespace aluminate::passes

@@ -1,0 +1,83 @@
+// Light on a surface, the same for every pipeline [McAuley12]:
+//
+//   Lo = emissive + occlusion * ambient(n) * (cdiff + cspec)
+//      + sum_i color_i * att_i * (n.l) * (cdiff + F * V * norm(m) * (n.h)^m)
+//
+// All dots are clamped to [0, 1]. There is no branch on n.l: a light behind the surface is multiplied away.
+#include "surface.hlsl"
+#include "brdf.hlsl"
+#include "lights.hlsl"
+
+float4 eye;                            // world
+#define AMBIENT_FLAT 0
+#define AMBIENT_SKY 1
+#define AMBIENT_HEMISPHERE 2
+#ifndef AMBIENT_KIND
+#define AMBIENT_KIND AMBIENT_FLAT
+#endif
+#if AMBIENT_KIND == AMBIENT_SKY
+float4 ambient_sh[7];                  // irradiance / pi as a quadratic of the normal [Ramamoorthi01]: xyz1 of r, g, b;
+                                       // xy, yz, zx, yy of r, g, b; x^2 - z^2 of rgb
+#elif AMBIENT_KIND == AMBIENT_HEMISPHERE
+float4 ambient_upper;                  // irradiance / pi of a normal straight up, and straight down
+float4 ambient_lower;
+#else
+float4 ambient;                        // rgb
+#endif
+
+#if UNROLL
+#define LIGHT_LOOP [unroll]
+#else
+#define LIGHT_LOOP [loop]
+#endif
+
+float3 ambient_light(float3 n) {
+#if AMBIENT_KIND == AMBIENT_SKY
+  float4 linear_terms = float4(n, 1.0);
+  float4 products = n.xyzy * n.yzxy;
+  float3 e = float3(dot(ambient_sh[0], linear_terms), dot(ambient_sh[1], linear_terms), dot(ambient_sh[2], linear_terms));
+  e += float3(dot(ambient_sh[3], products), dot(ambient_sh[4], products), dot(ambient_sh[5], products));
+  e += ambient_sh[6].rgb * (n.x * n.x - n.z * n.z);
+  return max(e, 0.0);                  // a truncated series dips below 0 opposite a low sun
+#elif AMBIENT_KIND == AMBIENT_HEMISPHERE
+  return lerp(ambient_lower.rgb, ambient_upper.rgb, saturate(n.y * 0.5 + 0.5));
+#else
+  return ambient.rgb;
+#endif
+}
+
+float3 ambient_reflected(Surface s) { return s.occlusion * ambient_light(s.n) * (s.cdiff + s.cspec); }
+
+float3 to_eye(float3 position) {
+  float3 v = eye.xyz - position;
+  return v * rsqrt(max(dot(v, v), 0.00000001));
+}
+
+#if LIGHT_COUNT > 0
+float3 punctual(Surface s, float3 cspec_8, float3 position, float3 v, float n_dot_v, int i) {
+  float3 to_light = light_position[i].xyz - position * light_position[i].w;
+  float distance_squared = max(dot(to_light, to_light), 0.00000001);
+  float3 l = to_light * rsqrt(distance_squared);
+  float3 h = l + v;
+  h *= rsqrt(max(dot(h, h), 0.00000001));
+
+  float n_dot_l = saturate(dot(s.n, l));
+  float n_dot_h = saturate(dot(s.n, h));
+  float h_dot_v = saturate(dot(h, v));
+
+  float3 reflected = s.cdiff + fresnel_8(cspec_8, h_dot_v) * specular_lobe_8th(s.m, n_dot_l, n_dot_v, n_dot_h);
+  return light_color[i].rgb * (attenuation(i, distance_squared, l) * n_dot_l) * reflected;
+}
+#endif
+
+// `radiance` and what the lights add to it.
+float3 add_lights(Surface s, float3 position, float3 radiance) {
+#if LIGHT_COUNT > 0
+  float3 v = to_eye(position);
+  float n_dot_v = saturate(dot(s.n, v));
+  float3 cspec_8 = 8.0 * s.cspec;
+  LIGHT_LOOP
+  for (int light = 0; light < LIGHT_COUNT; ++light) radiance += punctual(s, cspec_8, position, v, n_dot_v, light);
+#endif
+  return radiance;
+}
