@@ -256,6 +256,10 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
   if (sky) replace_directional_lights(*sky, list.lights);
   list.warnings = list.lights.warnings;
 
+  if (options.pipeline == Pipeline::Deferred && options.msaa > 1)
+    throw UserError(fmt::format("--pipeline deferred with --msaa {}: the G-buffer holds one sample a pixel",
+                                options.msaa),
+                    "use --msaa 1, or --pipeline forward");
   if (options.pipeline == Pipeline::Deferred && !options.shader.empty())
     throw UserError("--shader replaces the forward shader, but --pipeline deferred was asked for",
                     "use --pipeline forward with your own shader");

@@ -56,6 +56,7 @@ void mark_draws_outside(DrawList& list) {
   const glm::dmat4 world_to_clip = list.view.world_to_clip();
   host::parallel_for(static_cast<std::int64_t>(list.draws.size()), [&](std::int64_t i) {
     const DrawState& draw = list.draws[static_cast<std::size_t>(i)];
+    if (draw.pass == Pass::Dome) return;  // its vertices are not positions
     if (!list.vertex_programs[static_cast<std::size_t>(draw.vertex_program)].program.straight_line()) return;
     const std::optional<Bounds> bounds = bounds_of(*draw.mesh, list.space);
     list.raster_draws[static_cast<std::size_t>(i)].outside = bounds && outside(*bounds, world_to_clip, range);

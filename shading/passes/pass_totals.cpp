@@ -10,10 +10,10 @@ namespace {
 constexpr std::uint64_t kTexelBytes = 4;  // of a 32-bit target
 
 // Times geometry is sent for this many 32-bit colour targets beside depth; 1 where targets live in memory.
-int tiling_passes(const console::GpuModel& gpu, int targets, int width, int height) {
+int tiling_passes(const console::GpuModel& gpu, int targets, int width, int height, int samples) {
   if (!gpu.has_edram()) return 1;
-  const std::vector<console::SurfaceShape> surfaces(static_cast<std::size_t>(targets) + 1,
-                                                    {.width_px = width, .height_px = height});
+  const std::vector<console::SurfaceShape> surfaces(
+      static_cast<std::size_t>(targets) + 1, {.width_px = width, .height_px = height, .samples = samples});
   return console::tiling_passes(gpu, surfaces);
 }
 
@@ -71,7 +71,7 @@ class Totals {
   PassTotals geometry_pass(Pass kind, int targets) {
     PassTotals pass = pixel_work(kind);
     pass.color_targets = targets;
-    pass.tiling_passes = tiling_passes(list_.gpu, targets, width_, height_);
+    pass.tiling_passes = tiling_passes(list_.gpu, targets, width_, height_, prepared_.raster_frame.samples());
     std::uint64_t indices = 0;
     for (std::size_t i = 0; i < list_.draws.size(); ++i) {
       if (list_.draws[i].pass != kind) continue;

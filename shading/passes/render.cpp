@@ -50,6 +50,7 @@ Frame blank_frame(const FrameOptions& options) {
   Frame frame;
   frame.width = options.width;
   frame.height = options.height;
+  frame.samples = options.msaa;
   const std::size_t pixels = frame.pixel_count();
   frame.linear.resize(pixels * 4);
   frame.covered.resize(pixels);
@@ -127,6 +128,8 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
       {"small", setup.small},
       {"tile_hiz", tile_counters.tile_hiz},
       {"block_hiz", tile_counters.block_hiz},
+      {"occluded", tile_counters.occluded},
+      {"mesh_bounds", setup.outside},
       {"early_z", tile_counters.early_z},
       {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
       {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())},

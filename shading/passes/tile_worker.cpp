@@ -15,6 +15,8 @@ TileWorker::TileWorker(const PreparedFrame& prepared, const FrameOptions& option
       bill_(prepared.list),
       light_(prepared.list, prepared.light_plan, gbuffer, frame.width, frame.height,
              !options.no_skip.contains("tile_lights")),
+      samples_(prepared.raster_frame.samples()),
+      sample_colors_(samples_),
       gbuffer_(gbuffer),
       frame_(frame) {}
 
@@ -23,10 +25,12 @@ void TileWorker::run(int tile) {
   tile_.begin(tile);
   lit_.fill(0);
   lights_due_ = list_.gbuffer_targets > 0;
+  if (samples_ > 1) sample_colors_.begin(tile_.view(), frame_);
   tile_.draw_opaque(&bill_);
   shade_visible();
   tile_.draw_in_order(*this, &bill_);
   if (lights_due_) light_up();
+  if (samples_ > 1) sample_colors_.resolve(tile_.view(), frame_);
   bill_.store(tile_.view(), frame_.width, frame_.cost);
   raster::store_depth(tile_.view(), frame_.depth_d24, frame_.width);
 }
@@ -50,7 +54,10 @@ std::uint64_t TileWorker::shade(const raster::QuadBatch& batch) {
   for (std::uint64_t lanes = kept; lanes; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
     const std::size_t q = static_cast<std::size_t>(lane) / 4;
-    store(batch.x[q] + (lane & 1), batch.y[q] + (lane >> 1 & 1), lane, draw);
+    unsigned samples = 0;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+      samples |= static_cast<unsigned>(batch.visible_samples[s] >> lane & 1) << s;
+    store(batch.x[q] + (lane & 1), batch.y[q] + (lane >> 1 & 1), samples, lane, draw);
   }
   return kept;
 }
@@ -58,6 +65,7 @@ std::uint64_t TileWorker::shade(const raster::QuadBatch& batch) {
 void TileWorker::shade_visible() {
   raster::gather_visible_quads(raster_frame_, tile_.view(), visible_);
   std::array<raster::QuadPosition, raster::kBatchQuads> quads;
+  std::array<std::uint16_t, raster::kBatchQuads> quad_samples;
   for (std::size_t first = 0; first < visible_.size();) {
     const std::uint32_t draw = visible_[first].draw;
     std::size_t count = 0;
@@ -66,14 +74,18 @@ void TileWorker::shade_visible() {
            visible_[first + count].draw == draw) {
       const raster::VisibleQuad& quad = visible_[first + count];
       quads[count] = {quad.triangle, quad.x, quad.y};
+      quad_samples[count] = quad.samples;
       covered |= std::uint64_t{quad.lanes} << 4 * count;
       ++count;
     }
     shader_.run({draw, {quads.data(), count}, covered, nullptr});
     for (std::uint64_t lanes = covered; lanes; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
-      const raster::QuadPosition& quad = quads[static_cast<std::size_t>(lane) / 4];
-      store(quad.x + (lane & 1), quad.y + (lane >> 1 & 1), lane, list_.draws[draw]);
+      const std::size_t q = static_cast<std::size_t>(lane) / 4;
+      // One bit of every nibble: the lane's samples.
+      const unsigned bits = quad_samples[q] >> (lane & 3) & 0x1111u;
+      const unsigned samples = (bits | bits >> 3 | bits >> 6 | bits >> 9) & 0xfu;
+      store(quads[q].x + (lane & 1), quads[q].y + (lane >> 1 & 1), samples, lane, list_.draws[draw]);
     }
     first += count;
   }
@@ -96,30 +108,36 @@ void TileWorker::light_up() {
   light_.run(view, lit_, frame_);
 }
 
-// Result of one pixel into the frame: G-buffer texels, or colour that replaces or blends over what is there,
-// in linear light.
-void TileWorker::store(int x, int y, int lane, const DrawState& draw) {
+// Result of one pixel, or of those of its samples that the lane won: G-buffer texels, or colour.
+void TileWorker::store(int x, int y, unsigned samples, int lane, const DrawState& draw) {
   const std::size_t at =
       static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
   frame_.covered[at] = 1;
   frame_.cost.path[at] = static_cast<std::uint32_t>(draw.pixel_program) + 1;
-  float* pixel = &frame_.linear[at * 4];
-  pixel[3] = 1.0f;
-  if (draw.pass == Pass::Gbuffer) {
+  frame_.linear[at * 4 + 3] = 1.0f;
+  const raster::TileOrigin origin = tile_.view().origin;
+  const int tx = x - origin.x, ty = y - origin.y;
+  if (draw.pass == Pass::Gbuffer) {  // one sample a pixel: draw_list.cpp refuses others
     gbuffer_.store(at, [&](std::size_t target, int channel) { return shader_.color(channel, lane, target); });
-    const raster::TileOrigin origin = tile_.view().origin;
-    const int tx = x - origin.x, ty = y - origin.y;
     lit_[static_cast<std::size_t>(raster::stamp_of(tx, ty))] |=
         static_cast<std::uint16_t>(1u << raster::lane_of(tx, ty));
     return;
   }
-  if (draw.surface == Surface::Blended) {
-    const double alpha = std::clamp(shader_.color(3, lane), 0.0, 1.0);
-    for (int c = 0; c < 3; ++c)
-      pixel[c] = static_cast<float>(shader_.color(c, lane) * alpha + pixel[c] * (1.0 - alpha));
-  } else {
-    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(shader_.color(c, lane));
+  const bool blended = draw.surface == Surface::Blended;
+  if (samples_ == 1) {
+    write(&frame_.linear[at * 4], lane, blended);
+    return;
   }
+  for (; samples != 0; samples &= samples - 1)
+    write(sample_colors_.at(tx, ty, std::countr_zero(samples)), lane, blended);
+}
+
+// RGB: replaced, or blended over what is there, in linear light.
+void TileWorker::write(float* rgb, int lane, bool blended) const {
+  const double alpha = blended ? std::clamp(shader_.color(3, lane), 0.0, 1.0) : 1.0;
+  for (int c = 0; c < 3; ++c)
+    rgb[c] = static_cast<float>(blended ? shader_.color(c, lane) * alpha + rgb[c] * (1.0 - alpha)
+                                        : shader_.color(c, lane));
 }
 
 // Executed cost of a batch whose program branches on data: blocks times executions, for every lane of a

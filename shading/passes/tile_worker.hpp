@@ -12,6 +12,7 @@
 #include "shading/passes/gbuffer.hpp"
 #include "shading/passes/light_stage.hpp"
 #include "shading/passes/prepared.hpp"
+#include "shading/passes/sample_colors.hpp"
 #include "shading/passes/shade.hpp"
 
 namespace aluminate::passes {
@@ -37,7 +38,8 @@ class TileWorker : public raster::QuadShader {
  private:
   void shade_visible();
   void light_up();
-  void store(int x, int y, int lane, const DrawState& draw);
+  void store(int x, int y, unsigned samples, int lane, const DrawState& draw);
+  void write(float* rgb, int lane, bool blended) const;
   void bill_executed(const PixelProgram& program, const raster::QuadBatch& batch);
 
   const DrawList& list_;
@@ -47,6 +49,8 @@ class TileWorker : public raster::QuadShader {
   Shader shader_;
   TileBill bill_;
   LightStage light_;
+  const int samples_;  // a pixel
+  SampleColors sample_colors_;
   GBuffer& gbuffer_;
   Frame& frame_;
   StampMask lit_{};

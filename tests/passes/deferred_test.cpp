@@ -196,8 +196,11 @@ Tally compare(const scenes::Scene& scene, FrameOptions options) {
     if (!d.lit[i]) continue;
     EXPECT_EQ(forward.depth_d24[i], d.frame.depth_d24[i]);
     const auto texel = [&](std::size_t target) {
-      return Texel{
-          d.gbuffer.targets() > static_cast<int>(target) ? d.gbuffer.color(target).linear_texels(0)[i] : 0};
+      Texel found{0};
+      if (d.gbuffer.targets() > static_cast<int>(target))
+        for (std::size_t c = 0; c < 4; ++c)
+          found.bits |= std::uint64_t{d.gbuffer.color(target).linear16(0, i, c)} << 16 * c;
+      return found;
     };
     const int x = static_cast<int>(i) % options.width, y = static_cast<int>(i) / options.width;
     const Pixel pixel{texel(0),
