@@ -83,6 +83,7 @@ int run(int argc, char** argv) {
   add_check(app, session);
   add_diff(app, session);
   add_sky(app, session);
+  add_toksvig(app, session);
   add_calibrate(app, session);
   add_doctor(app, session);
 

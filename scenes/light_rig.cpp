@@ -10,7 +10,7 @@
 namespace aluminate::scenes {
 namespace {
 
-constexpr const char* kLightForms = "use auto, scene, none or rig:N with N from 1 to 256";
+constexpr const char* kLightForms = "use auto, scene, none, rig:N or lamps:N with N from 1 to 256";
 
 /// Nearest distance a lamp is seen from, squared: 2^-8 of a scene whose radius is 1 to 2. Keeps 1/d^2 <=
 /// 2^16, inside the shader's +-2^20, and is within 1/256 of the true 1/d^2 from d = 1/16 outwards (2^-16 /
@@ -42,6 +42,20 @@ ShadingLight rig_light(int i, int count, const NormalisedSpace& space, bool insi
   light.position = glm::dvec4(position, 1);
   for (int k = 0; k < 3; ++k) light.color[k] = (0.6 + 0.4 * sin_cos(2 * kPi * (t + k / 3.0)).cos) * 3 * s;
   light.k1 = 4 / (r * r);
+  return light;
+}
+
+/// Points that end: reach a quarter of the scene's radius, on the rig's spiral inside the scene's box.
+ShadingLight lamp(int i, const NormalisedSpace& space) {
+  const double t = frac(0.61803399 * (i + 1)), y = 0.2 + 0.6 * t, q = std::sqrt(1 - y * y);
+  const SinCos phi = sin_cos(2.39996323 * (i + 1));
+  ShadingLight light;
+  light.name = fmt::format("lamp {}", i);
+  light.position = glm::dvec4(0.8 * space.half_extent * glm::dvec3(phi.cos * q, 2 * y - 1, phi.sin * q), 1);
+  for (int k = 0; k < 3; ++k) light.color[k] = (0.6 + 0.4 * sin_cos(2 * kPi * (t + k / 3.0)).cos) * 3;
+  const double range = 0.25 * space.radius;
+  light.inv_range2 = 1 / (range * range);
+  light.k1 = 4 / (range * range);
   return light;
 }
 
@@ -94,9 +108,9 @@ LightChoice parse_lights(std::string_view text) {
   if (text == "auto") return choice;
   if (text == "scene") return choice.kind = Kind::Scene, choice;
   if (text == "none") return choice.kind = Kind::None, choice;
-  if (text.starts_with("rig:")) {
-    choice.kind = Kind::Rig;
-    const std::string_view number = text.substr(4);
+  if (text.starts_with("rig:") || text.starts_with("lamps:")) {
+    choice.kind = text.starts_with("rig:") ? Kind::Rig : Kind::Lamps;
+    const std::string_view number = text.substr(text.find(':') + 1);
     const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), choice.count);
     if (status != std::errc{} || end != number.data() + number.size() || choice.count < 1 ||
         choice.count > kMaxRigLights)
@@ -120,6 +134,9 @@ LightSet make_lights(const Scene& scene, const NormalisedSpace& space, const Vie
   }
   if (kind == Kind::None) {
     set.description = "none";
+  } else if (kind == Kind::Lamps) {
+    for (int i = 0; i < count; ++i) set.lights.push_back(lamp(i, space));
+    set.description = fmt::format("lamps:{}", count);
   } else if (kind == Kind::Rig) {
     ALU_CHECK(count >= 1 && count <= kMaxRigLights, "{} lights", count);
     for (int i = 0; i < count; ++i) set.lights.push_back(rig_light(i, count, space, view.inside));

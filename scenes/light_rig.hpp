@@ -33,11 +33,12 @@ struct ShadingLight {
   std::string name;  // "rig 0", "Sun"
 };
 
-/// --lights auto | scene | rig:N | none. auto = scene when the file has lights, else rig:4.
+/// --lights auto | scene | rig:N | lamps:N | none. lamps: N bounded points inside the scene's box. auto =
+/// scene when the file has lights, else rig:4.
 struct LightChoice {
-  enum class Kind { Auto, Scene, Rig, None };
+  enum class Kind { Auto, Scene, Rig, Lamps, None };
   Kind kind = Kind::Auto;
-  int count = 4;  // Rig: 1..kMaxRigLights
+  int count = 4;  // Rig, Lamps: 1..kMaxRigLights
 };
 constexpr int kMaxRigLights = 256;
 

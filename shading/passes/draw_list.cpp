@@ -144,7 +144,9 @@ std::vector<std::size_t> submission_order(const scenes::Scene& scene, const Draw
 class Permutations {
  public:
   Permutations(DrawList& list, const FrameOptions& options)
-      : list_(list), options_(options), setup_(light_setup(list.lights)) {}
+      : list_(list), options_(options), setup_(light_setup(list.lights)) {
+    setup_.shadows = static_cast<int>(list.uniforms.shadows.size());
+  }
 
   std::pair<int, int> programs_for(const SurfaceFeatures& features, Pass pass) {
     std::string key(to_string(pass));
@@ -219,7 +221,13 @@ void bind_samplers(const DrawList& list, DrawState& draw) {
   const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
   for (const vm::SamplerSymbol& symbol : program.program.samplers) {
     vm::SamplerBinding binding;
-    if (const MapInfo* map = map_named(symbol.name)) {
+    if (symbol.name == "shadow_map" && list.shadow_atlas) {
+      binding = {list.shadow_atlas.get(), kPointSampler};
+    } else if (symbol.name == "toksvig_map") {
+      binding = {list.toksvig->texture(*draw.material), sampler_state(draw.material->normal_map.sampler)};
+    } else if (symbol.name == kMaps[kNormalMap].sampler && list.toksvig->mode() == ToksvigMode::Dxt5) {
+      binding = {list.toksvig->texture(*draw.material), sampler_state(draw.material->normal_map.sampler)};
+    } else if (const MapInfo* map = map_named(symbol.name)) {
       const scenes::TextureSlot& slot = draw.material->*map->slot;
       binding = {list.textures.find(slot.image, map->srgb), sampler_state(slot.sampler)};
     }
@@ -264,6 +272,16 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     throw UserError("--shader replaces the forward shader, but --pipeline deferred was asked for",
                     "use --pipeline forward with your own shader");
   list.uniforms = make_uniforms(options, list);
+  list.toksvig = std::make_unique<ToksvigSet>(scene, options.toksvig);
+  list.uniforms.toksvig = list.toksvig.get();
+  if (options.shadows) {
+    list.shadows = plan_shadows(scene, list.space, list.lights);
+    list.uniforms.shadows = list.shadows.views;
+    if (!list.shadows.views.empty())
+      list.shadow_atlas = std::make_unique<vm::Texture>(
+          vm::Texture::render_target(list.shadows.atlas_px, list.shadows.atlas_px));
+    list.warnings = list.lights.warnings;
+  }
   list.uniforms.lights = list.lights.lights;
   list.uniforms.sky = std::move(sky);
   choose_gbuffer(scene, options.pipeline, list);
@@ -310,8 +328,9 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     draw.surface = surface_of(*draw.material);
     draw.pass = pass_of(*draw.material, options.pipeline);
     if (dome_due && draw.surface == Surface::Blended) add_dome();  // behind what blends over it
-    std::tie(draw.pixel_program, draw.vertex_program) =
-        permutations.programs_for(features_of(*draw.material, mesh, true), draw.pass);
+    SurfaceFeatures features = features_of(*draw.material, mesh, true);
+    if (features.maps[kNormalMap]) features.toksvig = options.toksvig;
+    std::tie(draw.pixel_program, draw.vertex_program) = permutations.programs_for(features, draw.pass);
     // What the forward pass draws over a lit G-buffer comes after it, whatever it is.
     const bool on_top = list.gbuffer_targets > 0 && draw.pass == Pass::Forward;
     const Surface surface = draw.surface;

@@ -92,6 +92,9 @@ struct DrawList {
   std::vector<DrawState> draws;
   std::vector<ScreenDraw> screen_draws;
   std::unique_ptr<scenes::Mesh> dome;  // of the dome's draw: one triangle, uv in NDC
+  ShadowPlan shadows;
+  std::unique_ptr<vm::Texture> shadow_atlas;  // where `shadows` is drawn; null without
+  std::unique_ptr<ToksvigSet> toksvig;
   FrameUniforms uniforms;
   int gbuffer_targets = 0;                 // 32-bit colour targets; 0: no G-buffer
   std::vector<raster::Draw> raster_draws;  // parallel to draws

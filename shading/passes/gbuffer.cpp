@@ -1,5 +1,6 @@
 #include "shading/passes/gbuffer.hpp"
 
+#include "shading/passes/textures.hpp"
 #include "shading/vm/srgb.hpp"
 
 namespace aluminate::passes {
@@ -42,17 +43,11 @@ GBuffer::GBuffer(int width, int height, int targets) : targets_(targets) {
 }
 
 vm::SamplerBinding GBuffer::binding(std::string_view sampler) const {
-  static constexpr vm::SamplerState kPoint{.u = vm::Address::Clamp,
-                                           .v = vm::Address::Clamp,
-                                           .magnify = vm::Filter::Point,
-                                           .minify = vm::Filter::Point,
-                                           .mip = vm::Filter::Point,
-                                           .mipmapped = false};
   static constexpr std::string_view kSamplers[kColorTargets] = {"gbuffer_diffuse", "gbuffer_normal",
                                                                 "gbuffer_specular", "gbuffer_emissive"};
   for (std::size_t t = 0; t < static_cast<std::size_t>(targets_); ++t)
-    if (sampler == kSamplers[t]) return {&color_[t], kPoint};
-  if (sampler == "gbuffer_depth") return {&depth_, kPoint};
+    if (sampler == kSamplers[t]) return {&color_[t], kPointSampler};
+  if (sampler == "gbuffer_depth") return {&depth_, kPointSampler};
   return {};
 }
 

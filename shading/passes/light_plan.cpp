@@ -48,8 +48,13 @@ class Planner {
   Planner(DrawList& list, const FrameOptions& options) : list_(list), options_(options) {
     group_.orthographic = !list.view.perspective;
     group_.lights.punctual = light_setup(list.lights).punctual;
-    for (const scenes::ShadingLight& light : list.lights.lights)
+    // The first lights cast shadows: they stay first on either side.
+    for (std::size_t i = 0; i < list.lights.lights.size(); ++i) {
+      const scenes::ShadingLight& light = list.lights.lights[i];
       (bounded(light) ? bounded_ : endless_).push_back(light);
+      if (i < list.uniforms.shadows.size())
+        (bounded(light) ? bounded_shadows_ : endless_shadows_).push_back(list.uniforms.shadows[i]);
+    }
   }
 
   LightPlan make() {
@@ -65,9 +70,11 @@ class Planner {
   }
 
   std::vector<double> constants_for(const vm::Program& program,
-                                    const std::vector<scenes::ShadingLight>& lights) {
+                                    const std::vector<scenes::ShadingLight>& lights,
+                                    const std::vector<ShadowView>& shadows = {}) {
     FrameUniforms uniforms = list_.uniforms;
     uniforms.lights = lights;
+    uniforms.shadows = shadows;
     vm::ConstantBank bank = vm::quantise_constants(list_.format, uniform_values(program, uniforms, nullptr));
     list_.sanitised_constants += bank.sanitised;
     return std::move(bank.values);
@@ -90,6 +97,7 @@ class Planner {
                                                      endless_.begin() + static_cast<std::ptrdiff_t>(last));
       LightGroup group = group_;
       group.lights.count = static_cast<int>(lights.size());
+      group.lights.shadows = draw == 0 ? static_cast<int>(endless_shadows_.size()) : 0;  // at most 4 of 8
       group.ambient = draw == 0 && ambient;
       group.emissive = emissive;
       std::string name = group.ambient ? "ambient" : "";
@@ -100,7 +108,8 @@ class Planner {
       group.accumulate = draw > 0;
       plan_.programs.push_back(group.accumulate ? program(group) : list_.pixel_programs.back());
       plan_.everywhere.push_back({static_cast<int>(plan_.programs.size()) - 1,
-                                  constants_for(plan_.programs.back().program, lights)});
+                                  constants_for(plan_.programs.back().program, lights,
+                                                draw == 0 ? endless_shadows_ : std::vector<ShadowView>{})});
     }
   }
 
@@ -109,7 +118,8 @@ class Planner {
     group.lights.count = 1;
     const int billed_program = static_cast<int>(list_.pixel_programs.size());
     list_.pixel_programs.push_back(program(group));
-    const vm::Program& billed = list_.pixel_programs.back().program;
+    const vm::Program billed = list_.pixel_programs.back().program;
+    int casting_program = -1;
     plan_.reach_margin = 0x1p-12 + 4096 * list_.format.default_grid().step;
     for (const scenes::ShadingLight& light : bounded_) {
       BoundedLight bound;
@@ -122,8 +132,23 @@ class Planner {
       bound.spot_offset = light.spot_offset;
       bound.rectangle_pixels =
           rectangle_pixels(list_.view, bound.position, bound.range, options_.width, options_.height);
+      int program_index = billed_program;
+      if (const std::size_t at = plan_.bounded.size(); at < bounded_shadows_.size()) {
+        LightGroup casting = group;
+        casting.lights.shadows = 1;
+        if (casting_program < 0) {
+          casting_program = static_cast<int>(list_.pixel_programs.size());
+          list_.pixel_programs.push_back(program(casting));
+        }
+        program_index = casting_program;
+        casting.accumulate = true;
+        plan_.programs.push_back(program(casting));
+        bound.own_group = static_cast<int>(plan_.own.size());
+        plan_.own.push_back({static_cast<int>(plan_.programs.size()) - 1,
+                             constants_for(plan_.programs.back().program, {light}, {bounded_shadows_[at]})});
+      }
       plan_.bounded.push_back(bound);
-      list_.screen_draws.push_back({light.name, Pass::Lights, billed_program, true});
+      list_.screen_draws.push_back({light.name, Pass::Lights, program_index, true});
       const std::vector<double> values = constants_for(billed, {light});
       std::array<double, 16> rows{};
       for (const vm::UniformSymbol& symbol : billed.uniforms)
@@ -150,6 +175,7 @@ class Planner {
   const FrameOptions& options_;
   LightGroup group_;
   std::vector<scenes::ShadingLight> endless_, bounded_;
+  std::vector<ShadowView> endless_shadows_, bounded_shadows_;
   LightPlan plan_;
 };
 

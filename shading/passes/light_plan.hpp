@@ -24,6 +24,7 @@ struct BoundedLight {
   double inv_range2 = 0, range = 0;
   glm::dvec3 spot_axis{0};
   double spot_scale = 0, spot_offset = 1;
+  int own_group = -1;  // into LightPlan::own: it casts a shadow; -1: shares a sized group
   /// Pixels of the screen rectangle around the sphere: what each face of the marking draw touches.
   std::uint64_t rectangle_pixels = 0;
 
@@ -51,6 +52,7 @@ struct LightPlan {
   std::vector<BoundedLight> bounded;
   std::array<Group, kSizes.size()>
       sized;  // one for each of kSizes that can occur; constants of no light in particular
+  std::vector<Group> own;
   /// On the grid: light_position, light_color, light_window, light_axis of each bounded light.
   std::vector<std::array<double, 16>> light_rows;
   /// A light reaches no pixel further than its range plus this: more than reconstruction and the grid can

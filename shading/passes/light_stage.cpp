@@ -34,7 +34,9 @@ LightStage::LightStage(const DrawList& list, const LightPlan& plan, const GBuffe
   for (const PixelProgram& program : plan.programs) {
     std::vector<vm::SamplerBinding>& bindings = samplers_.emplace_back();
     for (const vm::SamplerSymbol& symbol : program.program.samplers)
-      bindings.push_back(gbuffer.binding(symbol.name));
+      bindings.push_back(symbol.name == "shadow_map"
+                             ? vm::SamplerBinding{list.shadow_atlas.get(), kPointSampler}
+                             : gbuffer.binding(symbol.name));
     scratch_.fit(program.executable);
     vm_counters_.emplace_back(program.executable);
     inputs = std::max(inputs, program.inputs.size());
@@ -108,17 +110,27 @@ void LightStage::bill(const raster::TileView& tile, const StampMask& lit, const 
 void LightStage::plan_groups() {
   groups_.clear();
   for (const LightPlan::Group& group : plan_.everywhere) groups_.push_back({group.program, &group.constants});
+  shared_.clear();
+  for (const std::uint32_t light : reaching_) {
+    const int own = plan_.bounded[light].own_group;
+    if (own < 0) {
+      shared_.push_back(light);
+      continue;
+    }
+    const LightPlan::Group& group = plan_.own[static_cast<std::size_t>(own)];
+    groups_.push_back({group.program, &group.constants});
+  }
   std::vector<std::pair<std::size_t, std::size_t>> cuts;  // size index, first light
-  for (std::size_t first = 0; first < reaching_.size();) {
+  for (std::size_t first = 0; first < shared_.size();) {
     std::size_t size = 0;
-    while (static_cast<std::size_t>(LightPlan::kSizes[size]) > reaching_.size() - first) ++size;
+    while (static_cast<std::size_t>(LightPlan::kSizes[size]) > shared_.size() - first) ++size;
     cuts.emplace_back(size, first);
     first += static_cast<std::size_t>(LightPlan::kSizes[size]);
   }
   if (tile_constants_.size() < cuts.size()) tile_constants_.resize(cuts.size());
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const auto [size, first] = cuts[i];
-    const std::span<const std::uint32_t> lights(reaching_);
+    const std::span<const std::uint32_t> lights(shared_);
     plan_.fill_constants(size, lights.subspan(first, static_cast<std::size_t>(LightPlan::kSizes[size])),
                          tile_constants_[i]);
     groups_.push_back({plan_.sized[size].program, &tile_constants_[i]});

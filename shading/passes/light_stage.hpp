@@ -74,7 +74,8 @@ class LightStage {
 
   std::vector<glm::dvec3> positions_;  // of the tile's lit pixels, stamp order
   glm::dvec3 low_{0}, high_{0};        // their bounds
-  std::vector<std::uint32_t> reaching_;
+  std::vector<std::uint32_t> reaching_,
+      shared_;  // bounded lights of the tile; those of them without a shadow
   std::vector<GroupRun> groups_;
   std::vector<std::vector<double>> tile_constants_;
   std::vector<raster::BilledStamp> stamps_;

@@ -26,6 +26,11 @@ constexpr Choice<Tonemap> kTonemaps[] = {
 constexpr Choice<LightLoop> kLightLoops[] = {
     {"auto", LightLoop::Auto}, {"rolled", LightLoop::Rolled}, {"unrolled", LightLoop::Unrolled}};
 constexpr Choice<int> kSampleCounts[] = {{"1", 1}, {"4", 4}};
+constexpr Choice<ToksvigMode> kToksvigModes[] = {{"off", ToksvigMode::Off},
+                                                 {"texture", ToksvigMode::Texture},
+                                                 {"dxt5", ToksvigMode::Dxt5},
+                                                 {"material", ToksvigMode::Material}};
+constexpr Choice<bool> kOnOff[] = {{"on", true}, {"off", false}};
 constexpr Choice<bool> kSwitches[] = {{"true", true}, {"false", false}};
 constexpr Choice<VmTier> kVmTiers[] = {{"auto", VmTier::Auto}, {"interpreter", VmTier::Interpreter}};
 
@@ -99,12 +104,12 @@ void set_ambient(FrameOptions& options, std::string_view value) {
 }
 
 void set_lights(FrameOptions& options, std::string_view value) {
-  if (value.starts_with("rig:")) {
-    const auto count = parse_number(value.substr(4));
+  if (value.starts_with("rig:") || value.starts_with("lamps:")) {
+    const auto count = parse_number(value.substr(value.find(':') + 1));
     if (!count || *count != std::floor(*count) || *count < 1 || *count > 64)
-      refuse("lights", value, "rig:N with N from 1 to 64", "for example rig:4");
+      refuse("lights", value, "rig:N or lamps:N with N from 1 to 64", "for example rig:4");
   } else if (value != "scene" && value != "none") {
-    refuse("lights", value, "rig:N, scene or none",
+    refuse("lights", value, "rig:N, lamps:N, scene or none",
            did_you_mean(value, std::vector<std::string>{"rig:4", "scene", "none"}));
   }
   options.lights = value;
@@ -163,7 +168,7 @@ const std::vector<OptionInfo>& option_table() {
       {"size", "WxH", "picture size in pixels (1280x720)"},
       {"msaa", "1|4", "samples a pixel, resolved in linear light (1)"},
       {"camera", "auto|outside|inside|gltf[:N]|ex,ey,ez:tx,ty,tz:fovy", "point of view (auto)"},
-      {"lights", "rig:N|scene|none", "light set (scene if the file has lights, else rig:4)"},
+      {"lights", "rig:N|lamps:N|scene|none", "light set (scene if the file has lights, else rig:4)"},
       {"ambient", "flat:V|sky|hemisphere|none",
        "ambient light on cdiff + cspec; sky: SH9 of --sky (flat:0.03)"},
       {"sky", "none|1..15|fc3|a,b,c,d,e", "CIE sky behind the scene, with its sun as a light (none)"},
@@ -175,6 +180,9 @@ const std::vector<OptionInfo>& option_table() {
        "where light meets surface: in each draw, or over a G-buffer (forward)"},
       {"visibility", "none|schlick-smith|integrated|cheap", "specular visibility term (schlick-smith)"},
       {"fresnel", "schlick|sg|sg-lagarde", "Fresnel term (schlick)"},
+      {"toksvig", "off|texture|dxt5|material",
+       "gloss filtered by the normal map, and where it is kept (off)"},
+      {"shadows", "on|off", "shadow maps of directional and spot lights (off)"},
       {"tonemap", "none|reinhard|filmic", "tone map before display (none: clamp)"},
       {"number", "fx31|fx24|...|q16.16|ref64", "number format of the shader VM (fx31)"},
       {"platform", "xenos|rsx|...|FILE.toml", "console whose bill is written (xenos)"},
@@ -227,6 +235,10 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
       refuse(key, value, "schlick, sg or sg-lagarde",
              did_you_mean(value, std::vector<std::string>{"schlick", "sg", "sg-lagarde"}));
     options.fresnel = *parsed;
+  } else if (key == "toksvig") {
+    options.toksvig = choose(key, value, kToksvigModes);
+  } else if (key == "shadows") {
+    options.shadows = choose(key, value, kOnOff);
   } else if (key == "tonemap") {
     options.tonemap = choose(key, value, kTonemaps);
   } else if (key == "number") {
@@ -273,6 +285,7 @@ void set_options(FrameOptions& options, std::string_view assignments) {
 
 std::string_view to_string(Pipeline value) { return name_of(value, kPipelines); }
 std::string_view to_string(Tonemap value) { return name_of(value, kTonemaps); }
+std::string_view to_string(ToksvigMode value) { return name_of(value, kToksvigModes); }
 std::string_view to_string(LightLoop value) { return name_of(value, kLightLoops); }
 
 std::string ambient_text(const FrameOptions& options) {

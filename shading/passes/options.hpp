@@ -19,6 +19,7 @@ enum class Pipeline { Forward, Deferred };
 enum class Tonemap { None, Reinhard, Filmic };
 enum class AmbientKind { None, Flat, Sky, Hemisphere };
 enum class LightLoop { Auto, Rolled, Unrolled };  // Auto: unrolled up to kUnrolledLights lights
+enum class ToksvigMode { Off, Texture, Dxt5, Material };
 enum class VmTier { Auto, Interpreter };
 
 /// Loops of up to this many lights are unrolled by default, as console-era engines did; beyond, 512 ps_3_0
@@ -31,7 +32,7 @@ inline constexpr int kUnrolledLights = 8;
 /// they do not reach.
 inline constexpr std::string_view kSkipNames[] = {"frustum",     "facing",   "small",       "tile_hiz",
                                                   "block_hiz",   "early_z",  "empty_tiles", "occluded",
-                                                  "mesh_bounds", "textures", "tile_lights"};
+                                                  "mesh_bounds", "textures", "tile_lights", "shadow_casters"};
 
 struct FrameOptions {
   int width = 1280, height = 720;
@@ -56,6 +57,8 @@ struct FrameOptions {
   LightLoop light_loop = LightLoop::Auto;
   VmTier vm = VmTier::Auto;
   std::set<std::string, std::less<>> no_skip;
+  ToksvigMode toksvig = ToksvigMode::Off;
+  bool shadows = false;
   bool checked = false;  // name every instruction that saturated
 
   bool has_sky() const { return sky != "none"; }
@@ -78,6 +81,7 @@ void set_options(FrameOptions& options, std::string_view assignments);
 std::string_view to_string(Pipeline);
 std::string_view to_string(Tonemap);
 std::string_view to_string(LightLoop);
+std::string_view to_string(ToksvigMode);
 /// "flat:0.03", "sky", "hemisphere" or "none".
 std::string ambient_text(const FrameOptions& options);
 

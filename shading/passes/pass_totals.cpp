@@ -25,6 +25,7 @@ class Totals {
 
   std::vector<PassTotals> make() {
     const std::uint64_t pixels = static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
+    if (list_.shadow_atlas) passes_.push_back(prepared_.shadows.totals);
     const bool deferred = list_.gbuffer_targets > 0;
     if (deferred) {
       PassTotals pass = geometry_pass(Pass::Gbuffer, list_.gbuffer_targets);

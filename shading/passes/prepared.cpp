@@ -16,6 +16,7 @@ raster::SkipSet skip_set(const FrameOptions& options) {
 
 void prepare(const scenes::Scene& scene, const FrameOptions& options, PreparedFrame& prepared) {
   prepared.list = make_draw_list(scene, options);
+  if (prepared.list.shadow_atlas) prepared.shadows = draw_shadow_maps(options, prepared.list);
   prepared.light_plan = make_light_plan(prepared.list, options);
 }
 

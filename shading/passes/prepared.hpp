@@ -13,6 +13,7 @@ namespace aluminate::passes {
 
 struct PreparedFrame {
   DrawList list;
+  ShadowResult shadows;
   LightPlan light_plan;
   std::vector<double> x, y, z, w;  // clip space, all draws
   std::vector<double> varyings;

@@ -31,6 +31,7 @@ std::string SurfaceFeatures::label() const {
   if (specular_glossiness) add("specular_glossiness");
   if (double_sided) add("double_sided");
   if (alpha_mask) add("alpha_mask");
+  if (toksvig != ToksvigMode::Off) add("toksvig_" + std::string(to_string(toksvig)));
   if (unlit) add("unlit");
   return text.empty() ? "plain" : text;
 }
@@ -44,6 +45,7 @@ Defines SurfaceFeatures::defines() const {
     flag(fmt::format("HAS_{}_MAP", kMaps[i].define), maps[i]);
     if (maps[i]) d.emplace_back(fmt::format("{}_UV_SET", kMaps[i].define), fmt::format("{}", uv_set[i]));
   }
+  if (toksvig != ToksvigMode::Off) d.emplace_back("TOKSVIG", fmt::format("{}", static_cast<int>(toksvig)));
   flag("HAS_UV", has_uv());
   flag("UV_TRANSFORMS", uv_transforms);
   flag("HAS_VERTEX_COLOR", vertex_color);
@@ -81,7 +83,7 @@ bool rolls_lights(const FrameOptions& options, int light_count) {
 }
 
 LightSetup light_setup(const scenes::LightSet& lights) {
-  LightSetup setup{static_cast<int>(lights.lights.size()), false};
+  LightSetup setup{static_cast<int>(lights.lights.size()), false, 0};
   for (const scenes::ShadingLight& light : lights.lights)
     setup.punctual |= light.k0 != 1.0 || light.inv_range2 != 0 || light.spot_scale != 0;
   return setup;
@@ -97,6 +99,7 @@ void add_frame_defines(const FrameOptions& options, const LightSetup& lights, bo
   c.defines.emplace_back("LIGHT_COUNT", fmt::format("{}", lights.count));
   c.defines.emplace_back("UNROLL", rolled ? "0" : "1");
   if (lights.punctual) c.defines.emplace_back("PUNCTUAL_LIGHTS", "1");
+  if (lights.shadows > 0) c.defines.emplace_back("SHADOW_COUNT", fmt::format("{}", lights.shadows));
   if (options.ambient == AmbientKind::Sky) c.defines.emplace_back("AMBIENT_KIND", "1");
   if (options.ambient == AmbientKind::Hemisphere) c.defines.emplace_back("AMBIENT_KIND", "2");
   c.loops = rolled ? compiler::LoopMode::Rolled : compiler::LoopMode::AsWritten;
@@ -139,6 +142,13 @@ vm::Program compile_gbuffer_fill(const FrameOptions& options, const SurfaceFeatu
   vm::Program program = compiler::compile(c);
   program.name = fmt::format("{} [{}]", program.name, features.label());
   return program;
+}
+
+vm::Program compile_shadow_caster(const SurfaceFeatures& features) {
+  compiler::Options c = programs::shipped("shadow_caster.hlsl");
+  c.stage = vm::Stage::Pixel;
+  c.defines = features.defines();
+  return compiler::compile(c);
 }
 
 vm::Program compile_deferred_light(const FrameOptions& options, const LightGroup& group) {

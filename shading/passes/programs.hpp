@@ -41,6 +41,7 @@ struct SurfaceFeatures {
   bool maps[kMapCount] = {};
   int uv_set[kMapCount] = {};
   bool uv_transforms = false, vertex_color = false, double_sided = false, unlit = false;
+  ToksvigMode toksvig = ToksvigMode::Off;  // where there is a normal map
   bool specular_glossiness = false, alpha_mask = false, normal_scale = false;
 
   bool has_uv() const;
@@ -55,6 +56,7 @@ SurfaceFeatures features_of(const scenes::Material& material, const scenes::Mesh
 struct LightSetup {
   int count = 0;
   bool punctual = false;  // lights of the file: inverse square, range, cone
+  int shadows = 0;        // of the first lights
 };
 LightSetup light_setup(const scenes::LightSet& lights);
 
@@ -70,6 +72,8 @@ struct LightGroup {
   bool ambient = false, emissive = false, accumulate = false, orthographic = false;
 };
 vm::Program compile_deferred_light(const FrameOptions& options, const LightGroup& group);
+/// Alpha test alone, for a depth pass.
+vm::Program compile_shadow_caster(const SurfaceFeatures& features);
 vm::Program compile_vertex(const SurfaceFeatures& features);
 /// The sky behind everything: pixel and vertex shader of its one triangle.
 vm::Program compile_dome(const FrameOptions& options);

@@ -133,7 +133,8 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
       {"early_z", tile_counters.early_z},
       {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
       {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())},
-      {"tile_lights", tile_lights}};
+      {"tile_lights", tile_lights},
+      {"shadow_casters", prepared.shadows.skipped_casters}};
   frame.dropped = {{"not a finite position", setup.dropped_nonfinite}};
   resolve(options, list, frame);
   clock.end("resolve");

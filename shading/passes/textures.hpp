@@ -31,6 +31,13 @@ class TextureSet {
   std::uint64_t texel_bytes_ = 0;
 };
 
+/// One texel, no mips: targets read back.
+inline constexpr vm::SamplerState kPointSampler{.u = vm::Address::Clamp,
+                                                .v = vm::Address::Clamp,
+                                                .magnify = vm::Filter::Point,
+                                                .minify = vm::Filter::Point,
+                                                .mip = vm::Filter::Point,
+                                                .mipmapped = false};
 vm::SamplerState sampler_state(const scenes::Sampler& sampler);
 
 }  // namespace aluminate::passes

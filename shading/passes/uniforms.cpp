@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <string>
@@ -56,6 +57,25 @@ const std::map<std::string, Source, std::less<>>& sources() {
        [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).night_zenith}; }},
       {"night_horizon",
        [](const FrameUniforms& f, const scenes::Material&) { return Value{sky_of(f).night_horizon}; }},
+      {"toksvig",
+       [](const FrameUniforms& f, const scenes::Material& m) {
+         // Coarser than what libm may differ by.
+         const double factor = f.toksvig ? f.toksvig->factor(m) : 1.0;
+         return Value{{std::nearbyint(factor * 0x1p24) * 0x1p-24, 0.0, 0.0, 0.0}};
+       }},
+      {"shadow_matrix",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         Value rows;
+         for (const ShadowView& shadow : f.shadows)
+           rows.insert(rows.end(), shadow.rows.begin(), shadow.rows.end());
+         return rows;
+       }},
+      {"shadow_bias",
+       [](const FrameUniforms& f, const scenes::Material&) {
+         Value biases;
+         for (const ShadowView& shadow : f.shadows) biases.push_back(shadow.bias);
+         return biases;
+       }},
       {"polarizer",
        [](const FrameUniforms& f, const scenes::Material&) {
          return Value{{f.polarizer, 1.0}};

@@ -10,7 +10,9 @@
 #include "scenes/scene.hpp"
 #include "scenes/view.hpp"
 #include "shading/passes/options.hpp"
+#include "shading/passes/shadows.hpp"
 #include "shading/passes/sky_setup.hpp"
+#include "shading/passes/toksvig.hpp"
 #include "shading/vm/program.hpp"
 
 namespace aluminate::passes {
@@ -20,6 +22,8 @@ struct FrameUniforms {
   scenes::View view;
   double ambient = 0;  // flat
   std::vector<scenes::ShadingLight> lights;
+  std::vector<ShadowView> shadows;  // of the first lights
+  const ToksvigSet* toksvig = nullptr;
   std::optional<SkySetup> sky;
   AmbientKind ambient_kind = AmbientKind::Flat;
   glm::dvec3 polarizer{1};

@@ -7,6 +7,10 @@
 #include "surface.hlsl"
 #include "brdf.hlsl"
 #include "lights.hlsl"
+#ifndef SHADOW_COUNT
+#define SHADOW_COUNT 0
+#endif
+#include "shadows.hlsl"
 
 float4 eye;                            // world
 #define AMBIENT_FLAT 0
@@ -76,8 +80,16 @@ float3 add_lights(Surface s, float3 position, float3 radiance) {
   float3 v = to_eye(position);
   float n_dot_v = saturate(dot(s.n, v));
   float3 cspec_8 = 8.0 * s.cspec;
+#if SHADOW_COUNT > 0
+  [unroll]
+  for (int caster = 0; caster < SHADOW_COUNT; ++caster)
+    radiance += punctual(s, cspec_8, position, v, n_dot_v, caster) * lit_by(caster, position, s.n);
+#endif
+#if LIGHT_COUNT > SHADOW_COUNT
   LIGHT_LOOP
-  for (int light = 0; light < LIGHT_COUNT; ++light) radiance += punctual(s, cspec_8, position, v, n_dot_v, light);
+  for (int light = SHADOW_COUNT; light < LIGHT_COUNT; ++light)
+    radiance += punctual(s, cspec_8, position, v, n_dot_v, light);
+#endif
 #endif
   return radiance;
 }

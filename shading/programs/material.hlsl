@@ -18,8 +18,16 @@ sampler2D metallic_roughness_map;      // G roughness, B metallic
 #if HAS_SPECULAR_GLOSSINESS_MAP
 sampler2D specular_glossiness_map;     // rgb sRGB specular, A gloss
 #endif
+#define TOKSVIG_TEXTURE 1
+#define TOKSVIG_DXT5 2
+#define TOKSVIG_MATERIAL 3
 #if HAS_NORMAL_MAP
-sampler2D normal_map;
+sampler2D normal_map;                  // TOKSVIG_DXT5: filtered gloss in R, y in G, x in A
+#if TOKSVIG == TOKSVIG_TEXTURE
+sampler2D toksvig_map;                 // R: Toksvig's factor for power 100
+#elif TOKSVIG == TOKSVIG_MATERIAL
+float4 toksvig;                        // x: the material's factor
+#endif
 #endif
 #if HAS_OCCLUSION_MAP
 sampler2D occlusion_map;               // R
@@ -61,8 +69,14 @@ float2 map_uv(Interpolants i, int map, int set) {
 
 float3 surface_normal(Interpolants i) {
 #if HAS_NORMAL_MAP
+#if TOKSVIG == TOKSVIG_DXT5
+  float3 t;
+  t.xy = tex2D(normal_map, map_uv(i, 3, NORMAL_UV_SET)).ag * 2.0 - 1.0;
+  t.z = sqrt(saturate(1.0 - dot(t.xy, t.xy)));
+#else
   float3 t = tex2D(normal_map, map_uv(i, 3, NORMAL_UV_SET)).xyz * 2.0 - 1.0;
-#if NORMAL_SCALE
+#endif
+#if NORMAL_SCALE && TOKSVIG != TOKSVIG_DXT5
   t.xy *= emissive_factor.w;
 #endif
   float3 bitangent = cross(i.normal, i.tangent.xyz) * i.tangent.w;
@@ -96,6 +110,23 @@ float3 emitted(Interpolants i) {
   return e;
 }
 
+#if HAS_NORMAL_MAP
+// What the bumps under the pixel leave of the power [Toksvig04] [Hill11], made at import (docs/shading.md, section 5).
+float filtered_power(Interpolants i, float m) {
+#if TOKSVIG == TOKSVIG_TEXTURE
+  float factor = tex2D(toksvig_map, map_uv(i, 3, NORMAL_UV_SET)).r;
+  float ratio = 0.01 * m;
+  return max(m * (factor / (ratio + (1.0 - ratio) * factor + 0.0000001)), 1.0);
+#elif TOKSVIG == TOKSVIG_DXT5
+  return specular_power(tex2D(normal_map, map_uv(i, 3, NORMAL_UV_SET)).r);
+#elif TOKSVIG == TOKSVIG_MATERIAL
+  return max(m * toksvig.x, 1.0);
+#else
+  return m;
+#endif
+}
+#endif
+
 // Metallic-roughness: alpha = rough^2, m = clamp(2 / alpha^2 - 2, 1, 8192) [Walter07]; the upper bound is the lower bound
 // on alpha^2, 2 / 8194. Specular-glossiness maps directly.
 Surface surface(Interpolants i, float4 base) {
@@ -122,6 +153,9 @@ Surface surface(Interpolants i, float4 base) {
   s.m = max(2.0 / max(alpha * alpha, 0.000244081034903588) - 2.0, 1.0);
   s.cspec = lerp(float3(0.04, 0.04, 0.04), base.rgb, metallic);
   s.cdiff = base.rgb * (1.0 - metallic);
+#endif
+#if HAS_NORMAL_MAP
+  s.m = filtered_power(i, s.m);
 #endif
   s.occlusion = 1.0;
 #if HAS_OCCLUSION_MAP

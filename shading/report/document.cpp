@@ -214,6 +214,9 @@ std::string canonical_command(const std::string& verb, const Origin& origin) {
     if (o.polarizer != glm::dvec3(1.0))
       text += fmt::format(" --polarizer {},{},{}", o.polarizer.r, o.polarizer.g, o.polarizer.b);
   }
+  if (o.toksvig != passes::ToksvigMode::Off)
+    text += fmt::format(" --toksvig {}", passes::to_string(o.toksvig));
+  if (o.shadows) text += " --shadows on";
   if (!o.shader.empty()) text += " --shader " + o.shader;
   for (const auto& [name, value] : o.defines) text += fmt::format(" -D {}={}", name, value);
   return text;
