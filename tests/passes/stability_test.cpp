@@ -87,7 +87,7 @@ void expect_sound(const scenes::Scene& scene, const std::string& assignments) {
     }
   }
   EXPECT_EQ(bad, 0u) << assignments;
-  EXPECT_GT(drawn, 400u) << assignments;
+  EXPECT_GT(drawn, 50u) << assignments;  // a plane seen along itself is a few rows of pixels
 }
 
 TEST(Stability, EveryPixelIsFiniteAndInRange) {
