@@ -6,6 +6,8 @@
 #include "apps/session.hpp"
 #include "platform/host/error.hpp"
 #include "platform/host/image_file.hpp"
+#include "platform/host/output_file.hpp"
+#include "shading/report/difference_page.hpp"
 #include "shading/report/heat_map.hpp"
 #include "shading/report/statistics.hpp"
 
@@ -13,7 +15,7 @@ namespace aluminate::apps {
 namespace {
 
 struct Arguments {
-  std::string a, b, output;
+  std::string a, b, output, html;
 };
 
 void run(const Arguments& arguments, Session& session) {
@@ -29,6 +31,16 @@ void run(const Arguments& arguments, Session& session) {
     const int gain = d.max_step > 0 ? std::max(1, 255 / d.max_step) : 1;
     host::write_png(arguments.output, report::difference_image(a.width, a.height, a.texels, b.texels, gain));
   }
+  if (!arguments.html.empty())
+    host::write_file(arguments.html, report::difference_page({.title = arguments.a + " and " + arguments.b,
+                                                              .name_a = arguments.a,
+                                                              .name_b = arguments.b,
+                                                              .command = "",
+                                                              .accept = "",
+                                                              .width = a.width,
+                                                              .height = a.height,
+                                                              .a = a.texels,
+                                                              .b = b.texels}));
   fmt::print("{}", report::difference_text(d, a.width, a.texels, b.texels));
   session.exit_code = d.same() ? kDone : kAnswerIsNo;
 }
@@ -41,6 +53,8 @@ void add_diff(CLI::App& app, Session& session) {
   command->add_option("A", arguments->a, "first picture")->required();
   command->add_option("B", arguments->b, "second picture")->required();
   command->add_option("-o,--output", arguments->output, "write the difference, scaled up to be seen (PNG)");
+  command->add_option("--html", arguments->html,
+                      "write a page with both pictures, a slider, blinking and values");
   command->callback([arguments, &session] { run(*arguments, session); });
 }
 

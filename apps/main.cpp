@@ -82,6 +82,7 @@ int run(int argc, char** argv) {
   add_scene(app, session);
   add_check(app, session);
   add_diff(app, session);
+  add_sweep(app, session);
   add_sky(app, session);
   add_toksvig(app, session);
   add_calibrate(app, session);

@@ -44,6 +44,7 @@ void add_eval(CLI::App& app, Session& session);
 void add_platform(CLI::App& app, Session& session);
 void add_scene(CLI::App& app, Session& session);
 void add_diff(CLI::App& app, Session& session);
+void add_sweep(CLI::App& app, Session& session);
 void add_sky(CLI::App& app, Session& session);
 void add_toksvig(CLI::App& app, Session& session);
 void add_calibrate(CLI::App& app, Session& session);

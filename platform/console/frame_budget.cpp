@@ -13,9 +13,9 @@ namespace {
 constexpr std::size_t at(Unit unit) { return static_cast<std::size_t>(unit); }
 
 void check_work(const PassWork& work) {
-  const double counts[] = {work.pixels,    work.quads,          work.helper_lanes, work.alu_words,
-                           work.fetches,   work.fetch_cyc,      work.vertices,     work.vertex_words,
-                           work.triangles, work.resolve_pixels, work.tiling_passes};
+  const double counts[] = {work.pixels,       work.quads,     work.helper_lanes,   work.alu_words,
+                           work.fetches,      work.fetch_cyc, work.texel_cyc,      work.vertices,
+                           work.vertex_words, work.triangles, work.resolve_pixels, work.tiling_passes};
   for (double count : counts) {
     ALU_CHECK(std::isfinite(count) && count >= 0, "pass '{}' has a count of {}", work.name, count);
   }
@@ -103,6 +103,10 @@ double milliseconds(const GpuModel& gpu, double cycles) {
 
 double memory_ms(const GpuModel& gpu, double bytes) { return bytes / (gpu.memory.bandwidth_gbs.value * 1e6); }
 
+double texel_bytes(const GpuModel& gpu, const PassWork& work) {
+  return work.texel_cyc * gpu.texture.new_texels_per_cyc.value * gpu.texture.texel_bytes.value;
+}
+
 double rop_cycles(const GpuModel& gpu, const RopWork& work) {
   const bool depth_only = work.format == ColorFormat::None;
   const double rate = depth_only ? gpu.rop.z_only_rate.value : 1.0;
@@ -142,7 +146,8 @@ PassTime price_pass(const GpuModel& gpu, const PassWork& work) {
   double rop = 0;
   for (const RopWork& entry : work.rop) rop += rop_cycles(gpu, entry);
   peak[at(Unit::Rop)] = milliseconds(gpu, rop);
-  peak[at(Unit::Memory)] = memory_ms(gpu, work.total_bytes());
+  time.memory_bytes = work.total_bytes() + texel_bytes(gpu, work);
+  peak[at(Unit::Memory)] = memory_ms(gpu, time.memory_bytes);
   peak[at(Unit::Resolve)] = milliseconds(gpu, resolve_cycles(gpu, work.resolve_pixels));
 
   // Set-up is a fixed-function rate quoted as reached; it has no derating.

@@ -48,6 +48,7 @@ struct PassWork {
   double alu_slots = 0;       // same in ps_3_0 slots; reported, never priced
   double fetches = 0;         // sum over executed lanes of texture fetches
   double fetch_cyc = 0;       // same, times filter and format cycles: bilinear 32-bit cycles
+  double texel_cyc = 0;       // of fetch_cyc, those of covered pixels: only they bring new texels
   double vertices = 0;        // vertices shaded
   double vertex_words = 0;    // sum over vertices of issue words
   double triangles = 0;       // triangles reaching set-up
@@ -56,7 +57,7 @@ struct PassWork {
   std::vector<RopWork> rop{};
   std::vector<ByteStream> bytes{};
 
-  double total_bytes() const;
+  double total_bytes() const;  // of the streams; texels come on top, see texel_bytes
 };
 
 struct PassTime {
@@ -64,6 +65,7 @@ struct PassTime {
   std::array<double, kUnitCount> peak_ms{};     // each unit alone, at peak rate
   std::array<double, kUnitCount> derated_ms{};  // peak / efficiency figure of the unit
   double peak = 0, derated = 0;                 // slowest unit, ms
+  double memory_bytes = 0;                      // main-memory traffic, texels included
   Unit bound = Unit::Alu;                       // the slowest unit, derated
   std::string sentence;                         // "ALU bound: 3.21 ms of words, next texture at 62 %"
 };
@@ -103,6 +105,9 @@ double rop_cycles(const GpuModel& gpu, const RopWork& work);
 double resolve_cycles(const GpuModel& gpu, double pixels);
 double milliseconds(const GpuModel& gpu, double cycles);
 double memory_ms(const GpuModel& gpu, double bytes);
+/// Texture traffic of a pass: texel_cyc * new_texels_per_cyc * texel_bytes (docs/cost_model.md, texture
+/// cache).
+double texel_bytes(const GpuModel& gpu, const PassWork& work);
 
 /// Fixed-width report, at most 100 columns, units on every number.
 std::string format_budget(const FrameBudget& budget);

@@ -62,6 +62,8 @@ struct GpuModel {
     Figure format_half2;  // filtered 16-bit float, two components
     Figure format_half4;  // filtered 16-bit float, four components
     Figure efficiency;
+    Figure new_texels_per_cyc;  // texels a bilinear cycle brings from memory: what the cache does not hold
+    Figure texel_bytes;         // bytes of one of them
   } texture;
   struct {
     Figure clk_per_interpolant;  // clocks for one vec4 interpolant of 64 pixels
@@ -77,6 +79,10 @@ struct GpuModel {
     Figure sets, rows;      // threads = min(threads_max, sets * floor(rows / registers))
     Figure threads_max, threads_max_vertex;
   } registers;
+  struct {
+    // Side of the block of samples that is rejected together before shading: 1 = each sample, else 4, 8 or 16.
+    Figure reject_samples;
+  } depth;
   struct {
     Figure pixels_per_clk;   // colour + depth writes of a 32-bit target, one sample a pixel
     Figure z_only_rate;      // multiplier on the rate when no colour is written

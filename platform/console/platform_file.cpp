@@ -39,6 +39,11 @@ class PlatformReader {
                         shape_hint(field));
       read_figure(*table->as_table(), field);
     }
+    const double reject = model_.depth.reject_samples.value;
+    if (reject != 1 && reject != 4 && reject != 8 && reject != 16)
+      throw UserError(place(root_.at_path("depth.reject_samples.value").node()->source()),
+                      fmt::format("depth.reject_samples = {} is no block the rasterizer knows", reject),
+                      "allowed: 1 (each sample), 4, 8 or 16 samples");
     return std::move(model_);
   }
 

@@ -4,10 +4,13 @@
 
 #include "shading/vm/program.hpp"
 
+#include <vector>
+
 namespace aluminate::cost {
 
-/// Arithmetic and flow slots; 0 for texture instructions.
-constexpr int alu_slots(const vm::Instruction& instruction) { return vm::info(instruction.op).ps3_slots; }
+/// Arithmetic and flow slots of each instruction; 0 for texture instructions. A comparison that only feeds
+/// the branch behind it is that branch's own: if_lt and break_lt compare two operands themselves [MSD].
+std::vector<int> instruction_slots(const vm::Program& program);
 
 /// texld 1 (cube 4), texldl 2 (cube 5), texldb 6, texldd 3; 0 for everything else.
 constexpr int texture_slots(const vm::Program& program, const vm::Instruction& instruction) {

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace aluminate::cost {
@@ -43,12 +44,12 @@ using WordsByOrigin = std::vector<std::pair<vm::SourceLine, double>>;
 
 /// Slots, operations and fetches: the same on every platform.
 void count_instructions(const vm::Program& program, const vm::Block& block, const GpuModel& gpu,
-                        const Assumptions& assumptions, BlockCost& cost) {
+                        const Assumptions& assumptions, const std::vector<int>& slots, BlockCost& cost) {
   const double filter =
       assumptions.filter == FilterAssumption::Trilinear ? gpu.texture.trilinear_cyc.value : 1.0;
   for (std::uint32_t i = block.begin; i < block.end; ++i) {
     const vm::Instruction& instruction = program.code[i];
-    cost.alu_slots += alu_slots(instruction);
+    cost.alu_slots += slots[i];
     cost.tex_slots += texture_slots(program, instruction);
     if (is_texture(instruction.op)) {
       ++cost.fetches;
@@ -180,7 +181,7 @@ void name_bound(StaticCost& cost) {
 }
 
 void collect_lines(const vm::Program& program, const std::vector<vm::Block>& blocks,
-                   const WordsByOrigin& words, StaticCost& cost) {
+                   const std::vector<int>& slots, const WordsByOrigin& words, StaticCost& cost) {
   std::map<std::tuple<std::uint16_t, std::uint32_t>, LineCost> lines;
   const auto at = [&](const vm::SourceLine& line) -> LineCost& {
     LineCost& entry = lines[{line.file, line.line}];
@@ -191,7 +192,7 @@ void collect_lines(const vm::Program& program, const std::vector<vm::Block>& blo
     const int trips = static_cast<int>(std::max(1u, blocks[b].static_trips));
     for (std::uint32_t i = blocks[b].begin; i < blocks[b].end; ++i) {
       LineCost& entry = at(program.code[i].line);
-      entry.alu_slots += trips * alu_slots(program.code[i]);
+      entry.alu_slots += trips * slots[i];
       entry.fetches += trips * (is_texture(program.code[i].op) ? 1 : 0);
     }
   }
@@ -222,9 +223,10 @@ StaticCost price(const vm::Program& program, const GpuModel& gpu, const Assumpti
 
   const std::vector<vm::Block> blocks = vm::find_blocks(program);
   cost.blocks.resize(blocks.size());
+  const std::vector<int> slots = instruction_slots(program);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     cost.blocks[b].static_trips = blocks[b].static_trips;
-    count_instructions(program, blocks[b], gpu, assumptions, cost.blocks[b]);
+    count_instructions(program, blocks[b], gpu, assumptions, slots, cost.blocks[b]);
   }
   WordsByOrigin words;
   if (gpu.alu_model == AluModel::Vec4PlusScalar) {
@@ -232,6 +234,9 @@ StaticCost price(const vm::Program& program, const GpuModel& gpu, const Assumpti
   } else {
     price_wide(program, blocks, gpu, cost, words);
   }
+  std::set<std::uint32_t> shown;  // slots stand on the first row of each instruction
+  for (ListingRow& row : cost.listing)
+    row.alu_slots = shown.insert(row.origin).second ? slots[row.origin] : 0;
   const int most_gprs = static_cast<int>(gpu.registers.per_thread_max.value);
   if (cost.gprs > most_gprs) {
     throw UserError(
@@ -265,7 +270,7 @@ StaticCost price(const vm::Program& program, const GpuModel& gpu, const Assumpti
   cost.longest = cycles_of(program, gpu, paths.longest);
   cost.cycles = cost.longest;
   name_bound(cost);
-  collect_lines(program, blocks, words, cost);
+  collect_lines(program, blocks, slots, words, cost);
   return cost;
 }
 
@@ -281,6 +286,7 @@ LightCost marginal_light(const StaticCost& n, const StaticCost& more) {
 
 LightCost loop_body_light(const vm::Program& program, const StaticCost& cost) {
   const std::vector<vm::Block> blocks = vm::find_blocks(program);
+  const std::vector<int> slots = instruction_slots(program);
   LightCost light;
   light.loop = "rolled";
   light.convention = "rolled loop, ps_3_0 slots, nothing hoisted";
@@ -297,7 +303,7 @@ LightCost loop_body_light(const vm::Program& program, const StaticCost& cost) {
     int flow_slots = 0;
     for (std::uint32_t i = blocks[b].begin; i < blocks[b].end; ++i) {
       const Opcode op = program.code[i].op;
-      if (op == Opcode::Loop || op == Opcode::EndLoop) flow_slots += alu_slots(program.code[i]);
+      if (op == Opcode::Loop || op == Opcode::EndLoop) flow_slots += slots[i];
     }
     light.alu_words += times * cost.blocks[b].alu_words;
     light.alu_slots += static_cast<int>(times * (cost.blocks[b].alu_slots - flow_slots));

@@ -67,6 +67,7 @@ struct ListingRow {
   std::string pipe;  // "V", "S", "T"; "SU0", "SU1"; "-" for flow
   std::string text;  // "mad r3.xyz, r1.xxx, c4.xyz, -r2.xyz"
   vm::SourceLine line{};
+  std::uint32_t origin = 0;  // index in Program::code
   int alu_slots = 0;  // 0 on rows that only exist on the platform
 };
 

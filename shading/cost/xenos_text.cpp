@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 namespace aluminate::cost {
 namespace {
 
@@ -147,7 +145,6 @@ std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, 
                                    const RegisterMap& map) {
   const RowWriter writer(program, block, map);
   std::vector<ListingRow> rows;
-  std::set<std::uint32_t> counted;  // slots belong to the program's instruction, once
   for (std::size_t i = 0; i < block.schedule.issues.size(); ++i) {
     const Issue& issue = block.schedule.issues[i];
     const auto row = [&](const char* pipe, int n, std::string text) {
@@ -159,7 +156,7 @@ std::vector<ListingRow> xenos_rows(const vm::Program& program, int block_index, 
       entry.pipe = pipe;
       entry.text = std::move(text);
       entry.line = node.line;
-      if (counted.insert(node.origin).second) entry.alu_slots = alu_slots(program.code[node.origin]);
+      entry.origin = node.origin;
       rows.push_back(std::move(entry));
     };
     if (issue.is_fetch()) row("T", issue.fetch, writer.text(issue.fetch, false, false));
@@ -181,7 +178,7 @@ std::vector<ListingRow> program_rows(const vm::Program& program, int block_index
   row.pipe = unit;
   row.text = vm::disassemble(program, program.code[operation.origin]);
   row.line = operation.line;
-  row.alu_slots = alu_slots(program.code[operation.origin]);
+  row.origin = operation.origin;
   return {row};
 }
 

@@ -36,13 +36,14 @@ struct PassTotals {
   std::uint64_t quads = 0;   // 2x2 quads shaded
   std::uint64_t helper_lanes = 0;
   std::uint64_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
+  std::uint64_t streamed_cyc = 0;  // of fetch_cyc, reads of whole targets whose traffic is in `bytes` already
   std::uint64_t vertices = 0, vertex_words = 0, triangles = 0;
   std::uint64_t rop_pixels = 0, rop_blended = 0;  // pixels written; pixels read, modified and written
   std::uint64_t rop_depth_only = 0;               // fragments that touch depth and stencil alone
   int color_targets = 1;                          // 32-bit colour targets of rop_pixels
   int tiling_passes = 1;                          // times its geometry is sent, for eDRAM too small
   std::uint64_t resolve_pixels = 0;  // pixels of any target copied to memory, to be fetched later
-  std::uint64_t bytes = 0;           // main-memory traffic: vertices, indices, texels fetched once, resolve
+  std::uint64_t bytes = 0;           // main-memory traffic apart from texels: vertices, indices, resolve
 };
 
 /// A pixel program that took part, with the costs a lane pays for one run of it.

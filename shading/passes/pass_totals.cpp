@@ -89,8 +89,6 @@ class Totals {
       pass.bytes += vertices * 4 * list_.vertex_programs[i].executable.inputs().size();
     }
     pass.bytes += indices * (list_.vertex_count < 65536 ? 2 : 4);
-    if (kind == (list_.gbuffer_targets > 0 ? Pass::Gbuffer : Pass::Forward))
-      pass.bytes += list_.textures.texel_bytes();  // each texel fetched once a frame
     return pass;
   }
 

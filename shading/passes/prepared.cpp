@@ -54,12 +54,11 @@ void set_up_triangles(PreparedFrame& prepared, const FrameOptions& options) {
 }
 
 raster::TileOptions tile_options(const console::GpuModel& gpu, const FrameOptions& options) {
-  // Xenos has hierarchical Z of 4x4 pixels and no early test per sample [XEN-X] [B3D-5]; the others test
-  // before shading.
-  const bool hierarchical = gpu.alu_model == console::AluModel::Vec4PlusScalar;
-  // Its grain is 16 samples: 4x4 pixels, or 2x2 of four samples each.
+  // The platform's block counts samples: at four samples a pixel it covers half as many pixels each way.
+  const int side = static_cast<int>(gpu.depth.reject_samples.value);
+  const bool hierarchical = side > 1;
   return {.bill = {hierarchical ? raster::BillRule::Kind::Hierarchical : raster::BillRule::Kind::PerPixel,
-                   options.msaa == 4 ? 2 : 4},
+                   hierarchical ? side / (options.msaa == 4 ? 2 : 1) : 4},
           .skips = skip_set(options)};
 }
 

@@ -74,6 +74,7 @@ void tone_map(const DrawList& list, Tonemap tonemap, std::vector<float>& mapped,
   pass.alu_words = pass.quads * 4 * words;
   pass.alu_slots = pass.quads * 4 * slots;
   pass.fetches = pass.fetch_cyc = pass.quads * 4;  // the HDR target, read once
+  pass.streamed_cyc = pass.fetch_cyc;
   pass.bytes = pixels * 8;
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "platform/host/hash.hpp"
@@ -72,6 +74,14 @@ ordered_json timing_json(const passes::Frame& frame) {
           {"phases_ms", phases}};
 }
 
+// Milliseconds each unit would take alone, at its derated rate.
+ordered_json units_json(const std::array<double, console::kUnitCount>& ms) {
+  ordered_json units = ordered_json::object();
+  for (std::size_t unit = 0; unit < ms.size(); ++unit)
+    units[std::string(console::unit_name(static_cast<console::Unit>(unit)))] = ms[unit];
+  return units;
+}
+
 ordered_json cost_json(const Billed& billed) {
   ordered_json passes = ordered_json::array();
   for (std::size_t i = 0; i < billed.frame.passes.size(); ++i) {
@@ -88,18 +98,31 @@ ordered_json cost_json(const Billed& billed) {
                       {"vertices", pass.vertices},
                       {"vertex_words", pass.vertex_words},
                       {"triangles", pass.triangles},
-                      {"bytes", pass.bytes},
+                      {"bytes", std::llround(time.memory_bytes)},
                       {"ms", time.derated},
                       {"peak_ms", time.peak},
+                      {"units_ms", units_json(time.derated_ms)},
                       {"bound", console::unit_name(time.bound)}});
   }
+  ordered_json sensitivity = ordered_json::array();
+  for (const console::SensitivityRow& row : billed.budget.sensitivity)
+    sensitivity.push_back({{"figure", row.figure},
+                           {"confidence", console::confidence_word(row.confidence)},
+                           {"low", row.low},
+                           {"value", row.value},
+                           {"high", row.high},
+                           {"frame_ms_at_low", row.ms_at_low},
+                           {"frame_ms_at_high", row.ms_at_high},
+                           {"flips", row.flips}});
   return {{"platform", billed.gpu.id},
           {"passes", passes},
           {"frame_ms", billed.budget.derated_ms},
           {"frame_peak_ms", billed.budget.peak_ms},
           {"budget_ms", billed.budget.budget_ms},
           {"fits", billed.budget.fits},
-          {"verdict", console::verdict_word(billed.budget.verdict)}};
+          {"verdict", console::verdict_word(billed.budget.verdict)},
+          {"sentence", billed.budget.sentence},
+          {"sensitivity", sensitivity}};
 }
 
 ordered_json per_pixel_json(const passes::Frame& frame) {
@@ -171,6 +194,18 @@ std::string pass_table(const Billed& billed) {
 }
 
 std::string mean_text(double mean) { return fmt::format("{:.2f}", mean); }
+
+// The uncertain figures that move the frame most, one a line.
+std::string sensitivity_text(const console::FrameBudget& budget) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, budget.sensitivity.size()); ++i) {
+    const console::SensitivityRow& row = budget.sensitivity[i];
+    text += fmt::format("  {} ({}) {} .. {}: {:.2f} .. {:.2f} ms{}\n", row.figure,
+                        console::confidence_word(row.confidence), row.low, row.high, row.ms_at_low,
+                        row.ms_at_high, row.flips ? ", FLIPS the verdict" : "");
+  }
+  return text;
+}
 
 // "helped" in lower case, "HURT" in capitals: a regression must catch the eye without colour.
 std::string change_word(double a, double b) { return b < a ? "helped" : b > a ? "HURT" : "same"; }
@@ -244,7 +279,7 @@ std::string render_text(const Billed& billed) {
   for (const cost::LightCost& light : billed.lights.rows)
     text += fmt::format("one more light: {:.0f} words, {} slots ({})\n", light.alu_words, light.alu_slots,
                         light.convention);
-  text += fmt::format("\n{}: {}\n", billed.gpu.name, billed.budget.sentence);
+  text += fmt::format("\n{}\n{}", billed.gpu.name, console::format_budget(billed.budget));
   for (const auto& [reason, count] : billed.frame.dropped)
     if (count) text += fmt::format("{} triangles dropped: {}\n", count, reason);
   if (billed.frame.saturations) text += fmt::format("{} results saturated\n", billed.frame.saturations);
@@ -320,7 +355,8 @@ std::string compare_text(const Billed& a, const Billed& b, const ImageDifference
     }
     text += "\n" + lights.text();
   }
-  text += fmt::format("\nA {}\nB {}\n\npicture: {}", a.budget.sentence, b.budget.sentence,
+  text += fmt::format("\nA {}\n{}\nB {}\n{}\npicture: {}", a.budget.sentence, sensitivity_text(a.budget),
+                      b.budget.sentence, sensitivity_text(b.budget),
                       difference_text(d, a.frame.width, a.frame.rgba8, b.frame.rgba8));
   return text;
 }

@@ -14,6 +14,10 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
     work.alu_slots = static_cast<double>(pass.alu_slots);
     work.fetches = static_cast<double>(pass.fetches);
     work.fetch_cyc = static_cast<double>(pass.fetch_cyc);
+    // Helper lanes read texels their quad's covered pixels read anyway.
+    const double lanes = work.pixels + work.helper_lanes;
+    work.texel_cyc =
+        lanes > 0 ? (work.fetch_cyc - static_cast<double>(pass.streamed_cyc)) * work.pixels / lanes : 0;
     work.vertices = static_cast<double>(pass.vertices);
     work.vertex_words = static_cast<double>(pass.vertex_words);
     work.triangles = static_cast<double>(pass.triangles);
@@ -30,7 +34,7 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
       work.rop.push_back({.pixels = static_cast<double>(pass.rop_depth_only),
                           .format = console::ColorFormat::None,
                           .samples = frame.samples});
-    work.bytes.push_back({"geometry and textures", static_cast<double>(pass.bytes)});
+    work.bytes.push_back({"geometry", static_cast<double>(pass.bytes)});
     // Without eDRAM every colour and depth access goes to memory: 4 bytes a sample each, read and written
     // where blended. No compression of samples is assumed.
     if (!gpu.has_edram()) {

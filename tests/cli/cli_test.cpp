@@ -165,7 +165,8 @@ TEST_F(Cli, DiffSaysEqualOrDifferent) {
   ASSERT_EQ(
       run_program({"render", kWall, "-o", path("b.png"), "--size", "64x36", "--visibility", "none"}).code, 0);
   EXPECT_EQ(run_program({"diff", path("a.png"), path("a.png")}).code, 0);
-  const Finished different = run_program({"diff", path("a.png"), path("b.png"), "-o", path("d.png")});
+  const Finished different = run_program({"diff", path("a.png"), path("b.png"), "-o", path("d.png"), "--html", path("d.html")});
+  EXPECT_TRUE(fs::exists(path("d.html")));
   EXPECT_EQ(different.code, 1);
   EXPECT_THAT(different.out, HasSubstr("pixels differ"));
   EXPECT_TRUE(fs::exists(path("d.png")));
@@ -248,7 +249,7 @@ TEST_F(Cli, DoctorKnowsThisMachine) {
 
 TEST_F(Cli, EveryCommandExplainsItself) {
   for (const char* command :
-       {"render", "compare", "cost", "pixel", "eval", "platform", "scene", "check", "diff", "doctor"}) {
+       {"render", "compare", "cost", "pixel", "eval", "platform", "scene", "check", "sweep", "diff", "doctor"}) {
     const Finished run = run_program({command, "--help"});
     EXPECT_EQ(run.code, 0) << command;
     EXPECT_THAT(run.out, HasSubstr(command));

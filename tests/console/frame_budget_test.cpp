@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 #include <sstream>
 
@@ -134,6 +136,21 @@ TEST(FrameBudget, VerdictIsInconclusiveExactlyWhenAnUncertainFigureFlipsIt) {
     expect_close(budget.sensitivity[0].ms_at_high, at_peak);
     expect_close(budget.sensitivity[0].ms_at_low, at_peak / 0.6);
   }
+}
+
+TEST(FrameBudget, TexelTrafficIsMemoryTimeAndUncertain) {
+  // 1e9 cycles of covered pixels bring 1.35e9 texels of 4 bytes: 5.4e9 bytes over 22.4 GB/s, 241.07 ms at peak.
+  const std::vector<PassWork> passes = {{.name = "cached", .fetch_cyc = 1e6, .texel_cyc = 1e9}};
+  const console::FrameBudget budget = console::price_frame(xenos(), passes, 33.3);
+  expect_close(budget.passes[0].memory_bytes, 5.4e9);
+  expect_close(budget.passes[0].peak_ms[static_cast<std::size_t>(console::Unit::Memory)], 5.4e9 / 22.4e6);
+  EXPECT_EQ(budget.passes[0].bound, console::Unit::Memory);
+  const auto named = [&](const char* figure) {
+    return std::any_of(budget.sensitivity.begin(), budget.sensitivity.end(),
+                       [&](const auto& row) { return row.figure == figure; });
+  };
+  EXPECT_TRUE(named("texture.new_texels_per_cyc"));
+  EXPECT_TRUE(named("texture.texel_bytes"));
 }
 
 TEST(FrameBudget, ImpossibleCountsAreABug) {

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -99,6 +101,69 @@ int line_of(const std::string& file, const std::string& text) {
              ? -1
              : 1 + static_cast<int>(
                        std::count(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
+/// The line of a figure in xenos.toml: from its key, within its table, to the end of the line.
+std::pair<std::size_t, std::size_t> figure_line(const std::string& file, const FigureField& field) {
+  const std::size_t table = file.find("[" + std::string(field.table) + "]");
+  std::size_t at = file.find("\n" + std::string(field.key) + " ", table) + 1;
+  return {at, file.find('\n', at) + 1};
+}
+
+// Every key of the schema, whatever is added to it: missing, misspelt, negative, absurd, not a number,
+// without a source.
+TEST(PlatformFiles, EveryKeyIsGuardedAgainstEveryMistake) {
+  const std::string good = xenos_text();
+  const std::regex value("value = [0-9.]+");
+  for (const FigureField& field : console::figure_fields()) {
+    const auto [begin, end] = figure_line(good, field);
+    const std::string line = good.substr(begin, end - begin);
+    ASSERT_NE(line.find("value = "), std::string::npos) << field.table << "." << field.key;
+    const std::string key(field.key);
+    const struct {
+      std::string text, phrase;
+      bool at_the_line;
+    } mistakes[] = {
+        {"", "'" + key + "' is missing", false},
+        {key + "s" + line.substr(key.size()), "unknown key '" + key + "s'", true},
+        {std::regex_replace(line, value, "value = -1"), "negative", true},
+        {std::regex_replace(line, value, fmt::format("value = {}", 2 * field.high_limit + 1)),
+         "out of limits", true},
+        {std::regex_replace(line, value, "value = inf"), "finite", true},
+        {std::regex_replace(line, value, "value = nan"), "finite", true},
+        {std::regex_replace(line, value, "value = \"4\""), "must be a number", true},
+        {std::regex_replace(line, std::regex("source = \"[^\"]+\""), "source = \"\""), "must not be empty",
+         true},
+        {key + " = 4\n", "must carry its source", true},
+    };
+    for (const auto& mistake : mistakes) {
+      std::string bad = good;
+      bad.replace(begin, end - begin, mistake.text);
+      try {
+        console::parse_platform(bad, "x.toml");
+        ADD_FAILURE() << "accepted: " << mistake.text;
+      } catch (const UserError& error) {
+        EXPECT_NE(std::string(error.what()).find(mistake.phrase), std::string::npos) << error.what();
+        const int expected = 1 + static_cast<int>(std::count(
+                                     good.begin(), good.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
+        if (mistake.at_the_line) {
+          EXPECT_EQ(error.place().line, expected) << error.what();
+        }
+      }
+    }
+  }
+}
+
+TEST(PlatformFiles, BlocksTheRasterizerDoesNotKnowAreRefusedWithTheirLine) {
+  std::string bad = xenos_text();
+  bad.replace(bad.find("reject_samples = { value = 4"), 28, "reject_samples = { value = 5");
+  try {
+    console::parse_platform(bad, "x.toml");
+    ADD_FAILURE();
+  } catch (const UserError& error) {
+    EXPECT_EQ(error.place().line, line_of(bad, "reject_samples"));
+    EXPECT_NE(error.hint().find("4, 8 or 16"), std::string::npos);
+  }
 }
 
 struct Damage {

@@ -108,13 +108,14 @@ TEST(StaticCost, SumsOfBlocksAndLinesAreTheTotals) {
     int block_slots = 0, line_slots = 0, block_fetches = 0, line_fetches = 0, code_slots = 0;
     const std::vector<vm::Block> blocks = vm::find_blocks(program);
     ASSERT_EQ(cost.blocks.size(), blocks.size());
+    const std::vector<int> slots = cost::instruction_slots(program);
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const int trips = static_cast<int>(std::max(1u, blocks[b].static_trips));
       block_words += trips * cost.blocks[b].alu_words;
       block_slots += trips * cost.blocks[b].alu_slots;
       block_fetches += trips * cost.blocks[b].fetches;
       for (std::uint32_t i = blocks[b].begin; i < blocks[b].end; ++i)
-        code_slots += trips * cost::alu_slots(program.code[i]);
+        code_slots += trips * slots[i];
     }
     for (const cost::LineCost& line : cost.lines) {
       line_words += line.alu_words;

@@ -76,6 +76,29 @@ TEST(XenosCompiled, MatchesThePrintedAndDecodedFigures) {
   }
 }
 
+// if_lt compares two operands itself: the comparison in front of a branch takes no slots of its own, unless
+// its value is read again.
+TEST(XenosCompiled, AComparisonInFrontOfABranchIsTheBranchs) {
+  const auto priced = [](const std::string& condition, const std::string& result) {
+    compiler::Options options;
+    options.source_path = "branch.hlsl";
+    options.source =
+        "sampler2D t; float4 k;\nfloat4 main(float4 c : TEXCOORD0) : COLOR0 {\n  float4 r = c;\n" +
+        condition +
+        "\n  [branch] if (on) { r = tex2Dlod(t, float4(c.xy, 0, 0)) * k + r.wzyx; r = r * r + k; }\n  "
+        "return " +
+        result + ";\n}\n";
+    return cost::price(compiler::compile(options), console::load_platform("xenos"));
+  };
+  const cost::StaticCost branch = priced("  bool on = c.z < k.x;", "r");
+  int shown = 0;
+  for (const cost::ListingRow& row : branch.listing) shown += row.alu_slots;
+  EXPECT_LE(shown, branch.alu_slots);
+  EXPECT_FALSE(branch.straight_line) << "the branch must survive for this test to mean anything";
+  const cost::StaticCost read_again = priced("  bool on = c.z < k.x;", "r + (on ? 1.0 : 0.0)");
+  EXPECT_GT(read_again.alu_slots, branch.alu_slots);
+}
+
 TEST(XenosCompiled, LightingSchedulesAreWithinFivePerCentOfTheirBounds) {
   const console::GpuModel xenos = console::load_platform("xenos");
   double words = 0, bound = 0;
