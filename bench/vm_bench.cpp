@@ -6,6 +6,8 @@
 #include <random>
 
 #include "shading/vm/executable.hpp"
+#include "shading/vm/jit/compiler.hpp"
+#include "shading/vm/jit/slot.hpp"
 #include "shading/vm/texture_unit.hpp"
 #include "tests/vm/program_builder.hpp"
 
@@ -71,10 +73,22 @@ struct AlignedRows {
   double* memory;
 };
 
-void run_lighting(benchmark::State& state, const char* format_name, int lights) {
+// width 0: interpreted.
+void run_lighting(benchmark::State& state, const char* format_name, int lights, std::uint32_t width = 0,
+                  Assume assume = Assume::Typical, std::uint32_t stretch = jit::kStretch) {
   const Program program = lighting(lights);
   const number::NumberFormat format = *number::parse_number_format(format_name);
   const Executable executable = prepare(program, format);
+  if (width != 0) {
+    jit::CompileOptions options;
+    options.width = width;
+    options.assume = assume;
+    options.stretch = stretch;
+    const jit::Compiled made = jit::compile(executable.decoded(), options);
+    if (made.code.empty()) return state.SkipWithError(made.problem.c_str());
+    executable.slot().publish(assume, std::make_shared<jit::Native>(made.code, made.description));
+    state.counters["code_bytes"] = static_cast<double>(made.code.size());
+  }
   AlignedRows inputs(executable.inputs().size()), outputs(executable.outputs().size());
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(0.05, 0.55);
@@ -103,8 +117,39 @@ void run_lighting(benchmark::State& state, const char* format_name, int lights) 
 }
 BENCHMARK_CAPTURE(run_lighting, fx31_4_lights, "fx31", 4);
 BENCHMARK_CAPTURE(run_lighting, fx31_8_lights, "fx31", 8);
+BENCHMARK_CAPTURE(run_lighting, jit_w8_s12_8_lights, "fx31", 8, 8, Assume::Typical, 12);
+BENCHMARK_CAPTURE(run_lighting, jit_w8_s24_8_lights, "fx31", 8, 8, Assume::Typical, 24);
+BENCHMARK_CAPTURE(run_lighting, jit_w8_s48_8_lights, "fx31", 8, 8, Assume::Typical, 48);
+BENCHMARK_CAPTURE(run_lighting, jit_w8_s96_8_lights, "fx31", 8, 8, Assume::Typical, 96);
+BENCHMARK_CAPTURE(run_lighting, jit_w8_s1000_8_lights, "fx31", 8, 8, Assume::Typical, 1000);
+BENCHMARK_CAPTURE(run_lighting, jit_w16_s12_8_lights, "fx31", 8, 16, Assume::Typical, 12);
+BENCHMARK_CAPTURE(run_lighting, jit_w16_s24_8_lights, "fx31", 8, 16, Assume::Typical, 24);
+BENCHMARK_CAPTURE(run_lighting, jit_w16_s48_8_lights, "fx31", 8, 16, Assume::Typical, 48);
+BENCHMARK_CAPTURE(run_lighting, jit_w16_s96_8_lights, "fx31", 8, 16, Assume::Typical, 96);
+BENCHMARK_CAPTURE(run_lighting, jit_w16_s1000_8_lights, "fx31", 8, 16, Assume::Typical, 1000);
+BENCHMARK_CAPTURE(run_lighting, jit_w32_s12_8_lights, "fx31", 8, 32, Assume::Typical, 12);
+BENCHMARK_CAPTURE(run_lighting, jit_w32_s24_8_lights, "fx31", 8, 32, Assume::Typical, 24);
+BENCHMARK_CAPTURE(run_lighting, jit_w32_s48_8_lights, "fx31", 8, 32, Assume::Typical, 48);
+BENCHMARK_CAPTURE(run_lighting, jit_w32_s96_8_lights, "fx31", 8, 32, Assume::Typical, 96);
+BENCHMARK_CAPTURE(run_lighting, jit_w32_s1000_8_lights, "fx31", 8, 32, Assume::Typical, 1000);
+BENCHMARK_CAPTURE(run_lighting, jit_w8_8_lights_general, "fx31", 8, 8, Assume::Nothing);
+BENCHMARK_CAPTURE(run_lighting, jit_q16_16, "q16.16", 8, 8);
 BENCHMARK_CAPTURE(run_lighting, q16_16_8_lights, "q16.16", 8);
 BENCHMARK_CAPTURE(run_lighting, ref64_8_lights, "ref64", 8);
+
+// Time from a decoded program to code.
+void compile_lighting(benchmark::State& state, std::uint32_t width, int level, std::uint32_t stretch = jit::kStretch) {
+  const Executable executable = prepare(lighting(4), *number::parse_number_format("fx31"));
+  jit::CompileOptions options;
+  options.width = width;
+  options.level = level;
+  options.stretch = stretch;
+  for (auto _ : state) benchmark::DoNotOptimize(jit::compile(executable.decoded(), options));
+}
+BENCHMARK_CAPTURE(compile_lighting, w8, 8, 1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(compile_lighting, w16, 16, 1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(compile_lighting, w32, 32, 1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(compile_lighting, w64, 64, 1)->Unit(benchmark::kMillisecond);
 
 // One instruction, 64 lanes, repeated 32 times on independent registers.
 void run_opcode(benchmark::State& state, Opcode op) {

@@ -47,6 +47,7 @@ if(ALUMINATE_GLSLANG_VALIDATOR)
 else()
   list(APPEND aluminate_missing "glslang: apt-get install glslang-dev glslang-tools")
 endif()
+aluminate_need(LLVM "llvm-19-dev" 19.1 CONFIG)   # a bare 19 finds no match
 aluminate_need(SPIRV-Tools-opt "spirv-tools spirv-headers")
 aluminate_need_header(spirv/unified1/spirv.hpp11 "spirv-headers")
 if(ALUMINATE_TESTS)

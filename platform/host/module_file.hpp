@@ -10,4 +10,7 @@ namespace aluminate::host {
 /// may have started threads and statics that cannot be unloaded. Throws UserError that says what the module is for.
 void* open_module(const std::string& file, const std::string& build_directory, const std::string& symbol, const std::string& purpose);
 
+/// The file open_module() would open first; empty when there is none.
+std::string find_module(const std::string& file, const std::string& build_directory);
+
 }  // namespace aluminate::host

@@ -359,6 +359,8 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
   list.textures.decode(scene);
   for (DrawState& draw : list.draws) bind_samplers(list, draw);
   if (!options.no_skip.contains("mesh_bounds")) mark_draws_outside(list);
+  for (const PixelProgram& program : list.pixel_programs) choose_tier(program.executable, options.vm);
+  for (const VertexProgram& program : list.vertex_programs) choose_tier(program.executable, options.vm);
   return list;
 }
 

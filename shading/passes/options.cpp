@@ -32,7 +32,7 @@ constexpr Choice<ToksvigMode> kToksvigModes[] = {{"off", ToksvigMode::Off},
                                                  {"material", ToksvigMode::Material}};
 constexpr Choice<bool> kOnOff[] = {{"on", true}, {"off", false}};
 constexpr Choice<bool> kSwitches[] = {{"true", true}, {"false", false}};
-constexpr Choice<VmTier> kVmTiers[] = {{"auto", VmTier::Auto}, {"interpreter", VmTier::Interpreter}};
+constexpr Choice<VmTier> kVmTiers[] = {{"auto", VmTier::Auto}, {"interpreter", VmTier::Interpreter}, {"jit", VmTier::Jit}};
 
 [[noreturn]] void refuse(std::string_view key, std::string_view value, std::string_view expected,
                          std::string hint = {}) {
@@ -188,7 +188,7 @@ const std::vector<OptionInfo>& option_table() {
       {"platform", "xenos|rsx|...|FILE.toml", "console whose bill is written (xenos)"},
       {"shader", "FILE", "pixel shader to use instead of the shipped one (.hlsl, .glsl, .spv)"},
       {"light-loop", "auto|rolled|unrolled", "form of the light loop (auto: unrolled up to 8 lights)"},
-      {"vm", "auto|interpreter", "execution tier; never changes a result (auto)"},
+      {"vm", "auto|interpreter|jit", "execution tier; never changes a result (auto: compiles when it pays)"},
       {"no-skip", "all|NAME", "do the work that would be skipped; never changes a result"},
       {"checked", "true|false", "report each instruction that saturated, with its source line (false)"},
       {"D", "NAME[=VALUE]", "macro for the pixel shader"},

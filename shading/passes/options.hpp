@@ -20,7 +20,7 @@ enum class Tonemap { None, Reinhard, Filmic };
 enum class AmbientKind { None, Flat, Sky, Hemisphere };
 enum class LightLoop { Auto, Rolled, Unrolled };  // Auto: unrolled up to kUnrolledLights lights
 enum class ToksvigMode { Off, Texture, Dxt5, Material };
-enum class VmTier { Auto, Interpreter };
+enum class VmTier { Auto, Interpreter, Jit };
 
 /// Loops of up to this many lights are unrolled by default, as console-era engines did; beyond, 512 ps_3_0
 /// slots would not hold the shader.

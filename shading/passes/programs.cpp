@@ -4,6 +4,7 @@
 
 #include "shading/compiler/compile.hpp"
 #include "shading/programs/shipped.hpp"
+#include "shading/vm/jit/tier.hpp"
 
 namespace aluminate::passes {
 
@@ -75,6 +76,13 @@ SurfaceFeatures features_of(const scenes::Material& material, const scenes::Mesh
   }
   f.normal_scale = f.maps[kNormalMap] && material.normal_scale != 1.0;
   return f;
+}
+
+void choose_tier(const vm::Executable& executable, VmTier tier) {
+  using vm::jit::Tier;
+  vm::jit::select_tier(executable, tier == VmTier::Jit    ? Tier::Jit
+                                   : tier == VmTier::Auto ? Tier::Auto
+                                                          : Tier::Interpreter);
 }
 
 bool rolls_lights(const FrameOptions& options, int light_count) {

@@ -11,6 +11,7 @@
 #include "scenes/light_rig.hpp"
 #include "scenes/scene.hpp"
 #include "shading/passes/options.hpp"
+#include "shading/vm/executable.hpp"
 #include "shading/vm/program.hpp"
 
 namespace aluminate::passes {
@@ -80,6 +81,9 @@ vm::Program compile_dome(const FrameOptions& options);
 vm::Program compile_dome_vertex(bool orthographic);
 vm::Program compile_tonemap(Tonemap tonemap);
 vm::Program compile_eval_brdf(brdf::Visibility visibility, brdf::Fresnel fresnel);
+
+/// Has the program run the way the tier asks for.
+void choose_tier(const vm::Executable& executable, VmTier tier);
 
 /// True when `options` and the light count ask for a rolled loop.
 bool rolls_lights(const FrameOptions& options, int light_count);

@@ -23,9 +23,10 @@ void encode_rows(Frame& frame, int y) {
 }
 
 // Runs the tone map over rows of 64 pixels, in place on `mapped`.
-void tone_map(const DrawList& list, Tonemap tonemap, std::vector<float>& mapped, Frame& frame) {
+void tone_map(const DrawList& list, Tonemap tonemap, VmTier tier, std::vector<float>& mapped, Frame& frame) {
   const vm::Program program = compile_tonemap(tonemap);
   const vm::Executable executable = vm::prepare(program, list.format);
+  choose_tier(executable, tier);
   const cost::StaticCost price = cost::price(program, list.gpu);
   struct Worker {
     vm::Scratch scratch;
@@ -113,7 +114,7 @@ void resolve(const FrameOptions& options, const DrawList& list, Frame& frame) {
   std::vector<float> untouched;
   if (options.tonemap != Tonemap::None) {
     untouched = frame.linear;
-    tone_map(list, options.tonemap, frame.linear, frame);
+    tone_map(list, options.tonemap, options.vm, frame.linear, frame);
   }
   host::parallel_for(frame.height, [&](std::int64_t y) { encode_rows(frame, static_cast<int>(y)); });
   if (!untouched.empty()) frame.linear = std::move(untouched);

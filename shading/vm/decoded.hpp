@@ -103,7 +103,10 @@ struct Decoded {
   std::vector<DecodedBlock> blocks;             // one per find_blocks(program)
   number::Grid input_grid;
   double loop_value_limit = 0;                  // greatest number of the format: loop counters stop there
+  /// How often each block runs whatever the data; empty when data decide.
+  std::vector<std::uint64_t> straight_trips;
   std::size_t instruction_count = 0;
+  std::size_t uniform_values = 0;               // doubles of the constant bank
   int input_row = 0;                            // first of inputs.size() rows for sanitised inputs
   int row_count = 0;
   int level_count = 0;                          // deepest nesting of If and Loop
@@ -141,6 +144,8 @@ KernelFunction find_kernel(const KernelKey& key);
 /// Rounds input rows to the grid; inactive lanes become 0. Returns replaced values in covered lanes.
 std::uint64_t sanitise_row(const number::Grid& grid, const double* from, double* to, std::uint64_t active,
                            std::uint64_t covered);
+/// |value| <= bound for all of them; false for NaN.
+bool all_within(const double* values, std::size_t count, double bound);
 /// Copies the lanes of mask.
 void copy_row(const double* from, double* to, std::uint64_t mask);
 

@@ -6,8 +6,12 @@
 #include "platform/host/error.hpp"
 #include "platform/number/scalar.hpp"
 #include "shading/vm/decoded.hpp"
+#include "shading/vm/jit/slot.hpp"
 
 namespace aluminate::vm {
+
+Executable::Executable(std::shared_ptr<const Decoded> decoded)
+    : decoded_(std::move(decoded)), slot_(std::make_shared<jit::Slot>()) {}
 
 const number::NumberFormat& Executable::format() const { return decoded_->format; }
 std::span<const RowBinding> Executable::inputs() const { return decoded_->inputs; }

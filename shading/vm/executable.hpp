@@ -23,6 +23,9 @@ struct RowBinding {
 };
 
 struct Decoded;  // shading/vm/decoded.hpp: for the interpreter and the JIT
+namespace jit {
+class Slot;      // shading/vm/jit/slot.hpp
+}
 
 class Executable {
  public:
@@ -39,11 +42,14 @@ class Executable {
   std::size_t operation_count() const;
 
   const Decoded& decoded() const { return *decoded_; }
+  /// Compiled code, once there is some: shared by all copies.
+  jit::Slot& slot() const { return *slot_; }
 
  private:
   friend Executable prepare(const Program&, const number::NumberFormat&);
-  explicit Executable(std::shared_ptr<const Decoded> decoded) : decoded_(std::move(decoded)) {}
+  explicit Executable(std::shared_ptr<const Decoded> decoded);
   std::shared_ptr<const Decoded> decoded_;
+  std::shared_ptr<jit::Slot> slot_;
 };
 
 /// Validates and decodes. Throws InternalError for an invalid program.
@@ -73,7 +79,8 @@ class Scratch {
   std::vector<Level> levels_;
 };
 
-/// Runs one batch. scratch.fit(executable) and Counters(executable) come first. Allocates nothing.
+/// Runs one batch: compiled where jit::select_tier() was asked for and the code is ready, else interpreted. The same bits
+/// and counts either way. scratch.fit(executable) and Counters(executable) come first. Allocates nothing.
 void run(const Executable& executable, Batch& batch, Scratch& scratch, Counters& counters) noexcept;
 
 }  // namespace aluminate::vm

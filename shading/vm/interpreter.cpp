@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "shading/vm/decoded.hpp"
+#include "shading/vm/jit/slot.hpp"
+#include "shading/vm/jit/tier.hpp"
 
 namespace aluminate::vm {
 namespace {
@@ -93,6 +95,22 @@ void execute(const Decoded& d, Batch& batch, Frame& frame, Scratch::Level* level
   }
 }
 
+// False: the interpreter has to.
+bool run_compiled(const Executable& executable, const Batch& batch, Frame& frame, Counters& counters) noexcept {
+  using jit::Outcome;
+  jit::Slot& slot = executable.slot();
+  Assume missing = Assume::Typical;
+  if (const jit::Native* native = slot.find(Assume::Typical)) {
+    const Outcome outcome = jit::run_native(*native, executable.decoded(), batch, frame, counters);
+    if (outcome != Outcome::Atypical) return outcome == Outcome::Done;
+    missing = Assume::Nothing;
+  }
+  if (const jit::Native* native = slot.find(Assume::Nothing))
+    return jit::run_native(*native, executable.decoded(), batch, frame, counters) == Outcome::Done;
+  if (slot.interpreted(missing)) jit::compile_later(executable, missing);
+  return false;
+}
+
 }  // namespace
 
 void run(const Executable& executable, Batch& batch, Scratch& scratch, Counters& counters) noexcept {
@@ -120,9 +138,14 @@ void run(const Executable& executable, Batch& batch, Scratch& scratch, Counters&
                                                 batch.active, frame.covered);
     frame.base[static_cast<int>(Space::Input)] = inputs;
   }
-  for (std::uint32_t row : d.zero_rows) std::fill_n(frame.rows + row, kLanes, 0.0);
-
-  execute(d, batch, frame, scratch.levels(), counters);
+  const auto clear_rows = [&] {
+    for (std::uint32_t row : d.zero_rows) std::fill_n(frame.rows + row, kLanes, 0.0);
+  };
+  clear_rows();
+  if (!run_compiled(executable, batch, frame, counters)) {
+    clear_rows();  // given up half way
+    execute(d, batch, frame, scratch.levels(), counters);
+  }
 
   batch.killed = frame.killed;
   const std::uint64_t written = batch.active & ~frame.killed;

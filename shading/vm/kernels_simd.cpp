@@ -450,6 +450,17 @@ std::uint64_t sanitise_lanes(const number::Grid& grid, const double* from, doubl
   return replaced;
 }
 
+bool lanes_within(const double* values, std::size_t count, double bound) {
+  const D d;
+  const V most = constant(bound);
+  auto good = hn::Eq(most, most);
+  std::size_t i = 0;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) good = hn::And(good, hn::Le(hn::Abs(hn::LoadU(d, values + i)), most));
+  bool rest = true;
+  for (; i < count; ++i) rest &= values[i] <= bound && values[i] >= -bound;
+  return rest && hn::AllTrue(d, good);
+}
+
 void copy_lanes(const double* from, double* to, std::uint64_t mask) {
   const D d;
   for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d))
@@ -467,6 +478,7 @@ namespace aluminate::vm {
 HWY_EXPORT(find_simd_kernel);
 HWY_EXPORT(sanitise_lanes);
 HWY_EXPORT(copy_lanes);
+HWY_EXPORT(lanes_within);
 
 KernelFunction find_kernel(const KernelKey& key) {
   if (KernelFunction function = find_lane_kernel(key.kernel)) return function;
@@ -476,6 +488,10 @@ KernelFunction find_kernel(const KernelKey& key) {
 std::uint64_t sanitise_row(const number::Grid& grid, const double* from, double* to, std::uint64_t active,
                            std::uint64_t covered) {
   return HWY_DYNAMIC_DISPATCH(sanitise_lanes)(grid, from, to, active, covered);
+}
+
+bool all_within(const double* values, std::size_t count, double bound) {
+  return HWY_DYNAMIC_DISPATCH(lanes_within)(values, count, bound);
 }
 
 void copy_row(const double* from, double* to, std::uint64_t mask) { HWY_DYNAMIC_DISPATCH(copy_lanes)(from, to, mask); }

@@ -34,6 +34,7 @@ class Decoder {
     out_.input_grid = format.default_grid();
     out_.loop_value_limit = std::floor(out_.input_grid.greatest);
     out_.instruction_count = program.code.size();
+    out_.uniform_values = static_cast<std::size_t>(program.uniform_count) * 4;
   }
 
   Decoded decode() {
@@ -45,6 +46,7 @@ class Decoder {
     const std::vector<Block> blocks = find_blocks(program_);
     for (const Block& block : blocks) decode_block(block);
     connect_blocks();
+    if (program_.straight_line()) find_straight_trips();
     out_.row_count = first_staging_row_ + most_staging_;
     return std::move(out_);
   }
@@ -531,6 +533,15 @@ class Decoder {
       }
       out_.level_count = std::max(out_.level_count, static_cast<int>(open.size()));
       out_.loop_count = std::max(out_.loop_count, loops);
+    }
+  }
+
+  void find_straight_trips() {
+    std::vector<std::uint64_t> around = {1};  // executions of the blocks at each depth
+    for (const DecodedBlock& block : out_.blocks) {
+      out_.straight_trips.push_back(around.back());
+      if (block.flow == Flow::Loop) around.push_back(around.back() * static_cast<std::uint64_t>(block.trip_count));
+      if (block.flow == Flow::EndLoop) around.pop_back();
     }
   }
 

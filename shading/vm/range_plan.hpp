@@ -1,0 +1,37 @@
+// What is known about the values of a decoded program before it runs, so that compiled code need not check them.
+//   in   operations in their order, and what to assume of inputs and uniforms
+//   out  per operation: the interval of its first operand, and whether its result can leave the range of its grid
+// Sound for the lanes that execute: an interval holds every value the interpreter can produce there. Never looks at data.
+#pragma once
+
+#include <vector>
+
+#include "shading/vm/decoded.hpp"
+
+namespace aluminate::vm {
+
+struct Interval {
+  double least = 0, greatest = 0;
+  bool within(double low, double high) const { return least >= low && greatest <= high; }
+};
+
+/// What the caller will check for every batch before it runs code made from the plan.
+enum class Assume : std::uint8_t {
+  Typical,  // |input| <= kTypicalInput and |uniform| <= kTypicalUniform: scenes of radius 1..2, unit vectors, colours
+  Nothing,  // anything the number format holds
+};
+inline constexpr double kTypicalInput = 64, kTypicalUniform = 64;
+
+struct OperationRange {
+  Interval operand;       // of src[0], after its modifiers
+  bool in_range = false;  // the result never leaves the grid's range: it needs no clamp and counts no saturation
+};
+
+struct RangePlan {
+  Assume assume = Assume::Nothing;
+  std::vector<OperationRange> operations;  // by index into Decoded::operations
+};
+
+RangePlan plan_ranges(const Decoded& decoded, Assume assume);
+
+}  // namespace aluminate::vm
