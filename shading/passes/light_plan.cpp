@@ -81,8 +81,10 @@ class Planner {
   }
 
   PixelProgram program(const LightGroup& group) const {
-    return make_pixel_program(compile_deferred_light(options_, group), list_.format, list_.gpu,
-                              cost::FilterAssumption::Bilinear);
+    PixelProgram light = make_pixel_program(compile_deferred_light(options_, group), list_.format, list_.gpu,
+                                            cost::FilterAssumption::Bilinear);
+    choose_tier(light.executable, options_.vm);
+    return light;
   }
 
   void add_everywhere() {
