@@ -94,8 +94,9 @@ class Totals {
 
   PassTotals light_pass(Pass kind) {
     PassTotals pass = pixel_work(kind);
-    pass.bytes +=
-        pass.fetches * kTexelBytes;  // G-buffer texels: fetched by their own pixel, never again in a draw
+    // G-buffer texels: fetched by their own pixel, never again in a draw, so not the texture cache's business.
+    pass.bytes += pass.fetches * kTexelBytes;
+    pass.streamed_cyc = pass.fetch_cyc;
     if (kind == Pass::Lights)
       for (const BoundedLight& light : prepared_.light_plan.bounded)
         pass.rop_depth_only += 2 * light.rectangle_pixels;  // both faces of the volume mark the stencil
