@@ -60,8 +60,8 @@ struct Saturation {
 };
 
 struct Timing {  // milliseconds of wall time; the only part that varies
-  std::map<std::string, double> phases_ms;
-  std::vector<double> frame_ms;
+  std::map<std::string, double> phases_ms;  // of the last frame; "prepare", made once, belongs to no frame
+  std::vector<double> frame_ms;             // from an empty frame to stored pixels
 };
 
 struct Frame {
@@ -88,10 +88,10 @@ struct Frame {
   }
 };
 
-/// Planes of the right size: nothing covered, depth far, no cost.
-Frame blank_frame(const FrameOptions& options);
+/// Planes of the right size: nothing covered, depth far, no cost. `recycled` gives its memory.
+Frame blank_frame(const FrameOptions& options, Frame recycled = {});
 
-/// Renders `scene`. Throws UserError for options that do not fit the scene or the shader.
+/// Renders `scene` once: shading/passes/renderer.hpp for more frames of one scene. Throws UserError for options that do not fit the scene or the shader.
 Frame render_frame(const scenes::Scene& scene, const FrameOptions& options);
 
 }  // namespace aluminate::passes

@@ -235,6 +235,7 @@ PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& option
   report.y = y;
   PreparedFrame prepared;
   prepare(scene, options, prepared);
+  draw_shadows(prepared, options);
   shade_all_vertices(prepared);
   set_up_triangles(prepared, options);
   const raster::Viewport& viewport = prepared.raster_frame.viewport();

@@ -16,8 +16,11 @@ raster::SkipSet skip_set(const FrameOptions& options) {
 
 void prepare(const scenes::Scene& scene, const FrameOptions& options, PreparedFrame& prepared) {
   prepared.list = make_draw_list(scene, options);
-  if (prepared.list.shadow_atlas) prepared.shadows = draw_shadow_maps(options, prepared.list);
   prepared.light_plan = make_light_plan(prepared.list, options);
+}
+
+void draw_shadows(PreparedFrame& prepared, const FrameOptions& options) {
+  if (prepared.list.shadow_atlas) prepared.shadows = draw_shadow_maps(options, prepared.list);
 }
 
 void shade_all_vertices(PreparedFrame& prepared) {
@@ -25,6 +28,7 @@ void shade_all_vertices(PreparedFrame& prepared) {
   for (std::vector<double>* component : {&prepared.x, &prepared.y, &prepared.z, &prepared.w})
     component->resize(list.vertex_count);
   prepared.varyings.resize(list.varying_count);
+  prepared.vertex_counters.clear();
   for (const VertexProgram& program : list.vertex_programs)
     prepared.vertex_counters.emplace_back(program.executable);
   for (std::size_t i = 0; i < list.draws.size(); ++i) {

@@ -27,6 +27,8 @@ struct PreparedFrame {
 
 /// Fills list and light_plan. Throws UserError for what cannot be drawn.
 void prepare(const scenes::Scene& scene, const FrameOptions& options, PreparedFrame& prepared);
+/// The stages of a frame before its tiles, in this order; each may run again for the next frame.
+void draw_shadows(PreparedFrame& prepared, const FrameOptions& options);
 void shade_all_vertices(PreparedFrame& prepared);
 void set_up_triangles(PreparedFrame& prepared, const FrameOptions& options);
 

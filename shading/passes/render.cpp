@@ -10,7 +10,7 @@
 #include "rasterizer/frame.hpp"
 #include "shading/passes/frame.hpp"
 #include "shading/passes/pass_totals.hpp"
-#include "shading/passes/prepared.hpp"
+#include "shading/passes/renderer.hpp"
 #include "shading/passes/resolve.hpp"
 #include "shading/passes/tile_worker.hpp"
 
@@ -46,46 +46,58 @@ void add_saturations(const vm::Program& program, const vm::Counters& counters, b
 
 }  // namespace
 
-Frame blank_frame(const FrameOptions& options) {
+Frame blank_frame(const FrameOptions& options, Frame recycled) {
   Frame frame;
   frame.width = options.width;
   frame.height = options.height;
   frame.samples = options.msaa;
   const std::size_t pixels = frame.pixel_count();
+  frame.rgba8 = std::move(recycled.rgba8);
+  frame.linear = std::move(recycled.linear);
+  frame.covered = std::move(recycled.covered);
+  frame.depth_d24 = std::move(recycled.depth_d24);
+  frame.cost = std::move(recycled.cost);
   frame.linear.resize(pixels * 4);
-  frame.covered.resize(pixels);
+  frame.covered.assign(pixels, 0);
   frame.depth_d24.assign(pixels, raster::kDepthMax);
   CostPlanes& cost = frame.cost;
   for (auto* plane : {&cost.alu_words, &cost.alu_slots, &cost.fetches, &cost.fetch_cyc, &cost.overdraw,
                       &cost.helpers, &cost.path})
-    plane->resize(pixels);
+    plane->assign(pixels, 0);
   return frame;
 }
 
-Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
-  Frame frame = blank_frame(options);
-  PhaseClock clock(frame.timing);
+Renderer::Renderer(const scenes::Scene& scene, const FrameOptions& options)
+    : scene_(scene), options_(options) {
+  Timing timing;
+  PhaseClock clock(timing);
+  prepare(scene, options, prepared_);
+  clock.end("prepare");
+  prepare_ms_ = timing.phases_ms["prepare"];
+}
+
+Frame Renderer::draw(Frame recycled) {
   const auto started = std::chrono::steady_clock::now();
-  PreparedFrame prepared;
-  prepare(scene, options, prepared);
-  const DrawList& list = prepared.list;
+  Frame frame = blank_frame(options_, std::move(recycled));
+  PhaseClock clock(frame.timing);
+  const DrawList& list = prepared_.list;
   frame.warnings = list.warnings;
   frame.lights = list.lights.description;
   frame.light_count = static_cast<int>(list.lights.lights.size());
   for (const PixelProgram& program : list.pixel_programs) frame.paths.push_back(program.path);
-  clock.end("prepare");
+  clear_to_background(options_.background, frame);
+  clock.end("clear");
 
-  shade_all_vertices(prepared);
+  draw_shadows(prepared_, options_);
+  clock.end("shadows");
+  shade_all_vertices(prepared_);
   clock.end("vertex");
-  set_up_triangles(prepared, options);
+  set_up_triangles(prepared_, options_);
   clock.end("setup");
-  const raster::Frame& raster_frame = prepared.raster_frame;
-  const std::vector<vm::Counters>& vertex_counters = prepared.vertex_counters;
 
-  clear_to_background(options.background, frame);
-  GBuffer gbuffer(options.width, options.height, list.gbuffer_targets);
-  host::PerWorker<TileWorker> workers([&] { return TileWorker(prepared, options, gbuffer, frame); });
-  const auto order = raster_frame.tile_order();
+  GBuffer gbuffer(options_.width, options_.height, list.gbuffer_targets);
+  host::PerWorker<TileWorker> workers([&] { return TileWorker(prepared_, options_, gbuffer, frame); });
+  const auto order = prepared_.raster_frame.tile_order();
   host::Progress progress("tiles", static_cast<std::int64_t>(order.size()));
   host::parallel_for_workers(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int worker) {
     workers[worker].run(static_cast<int>(order[static_cast<std::size_t>(i)]));
@@ -98,7 +110,7 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
   std::uint64_t tile_lights = 0;
   std::vector<vm::Counters> pixel_counters, light_counters;
   for (const PixelProgram& program : list.pixel_programs) pixel_counters.emplace_back(program.executable);
-  for (const PixelProgram& program : prepared.light_plan.programs)
+  for (const PixelProgram& program : prepared_.light_plan.programs)
     light_counters.emplace_back(program.executable);
   workers.for_each([&](const TileWorker& worker) {
     for (std::size_t pass = 0; pass < kPassCount; ++pass)
@@ -112,16 +124,17 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
   });
   for (std::size_t p = 0; p < pixel_counters.size(); ++p) {
     vm::raise_loop_overrun(list.pixel_programs[p].program, pixel_counters[p]);
-    add_saturations(list.pixel_programs[p].program, pixel_counters[p], options.checked, frame);
+    add_saturations(list.pixel_programs[p].program, pixel_counters[p], options_.checked, frame);
   }
   for (std::size_t p = 0; p < light_counters.size(); ++p)
-    add_saturations(prepared.light_plan.programs[p].program, light_counters[p], options.checked, frame);
-  for (std::size_t p = 0; p < vertex_counters.size(); ++p)
-    add_saturations(list.vertex_programs[p].program, vertex_counters[p], options.checked, frame);
+    add_saturations(prepared_.light_plan.programs[p].program, light_counters[p], options_.checked, frame);
+  for (std::size_t p = 0; p < prepared_.vertex_counters.size(); ++p)
+    add_saturations(list.vertex_programs[p].program, prepared_.vertex_counters[p], options_.checked, frame);
   frame.saturations += list.sanitised_constants;
 
+  const raster::Frame& raster_frame = prepared_.raster_frame;
   const raster::SetupCounters& setup = raster_frame.counters();
-  frame.passes = pass_totals(prepared, bill, options.width, options.height);
+  frame.passes = pass_totals(prepared_, bill, options_.width, options_.height);
   frame.skipped = {
       {"frustum", setup.frustum},
       {"facing", setup.facing},
@@ -132,15 +145,20 @@ Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
       {"mesh_bounds", setup.outside},
       {"early_z", tile_counters.early_z},
       {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
-      {"textures", scene.images.size() - std::min(scene.images.size(), list.textures.decoded())},
+      {"textures", scene_.images.size() - std::min(scene_.images.size(), list.textures.decoded())},
       {"tile_lights", tile_lights},
-      {"shadow_casters", prepared.shadows.skipped_casters}};
+      {"shadow_casters", prepared_.shadows.skipped_casters}};
   frame.dropped = {{"not a finite position", setup.dropped_nonfinite}};
-  resolve(options, list, frame);
+  resolve(options_, list, frame);
   clock.end("resolve");
   frame.timing.frame_ms = {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count()};
+  frame.timing.phases_ms["prepare"] = prepare_ms_;
   return frame;
+}
+
+Frame render_frame(const scenes::Scene& scene, const FrameOptions& options) {
+  return Renderer(scene, options).draw();
 }
 
 }  // namespace aluminate::passes

@@ -13,12 +13,15 @@ namespace {
 
 std::uint8_t stored_code(double display) { return static_cast<std::uint8_t>(display * 255.0 + 0.5); }
 
-void encode_rows(Frame& frame, int y) {
+// Where nothing was drawn the background is what the user asked to have stored.
+void encode_row(const std::array<std::uint8_t, 4>& background, Frame& frame, int y) {
   const std::size_t width = static_cast<std::size_t>(frame.width),
                     first = static_cast<std::size_t>(y) * width;
   for (std::size_t i = first; i < first + width; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) frame.rgba8[i * 4 + c] = vm::srgb_encode8(frame.linear[i * 4 + c]);
-    frame.rgba8[i * 4 + 3] = 255;
+    std::array<std::uint8_t, 4> stored = background;
+    if (frame.covered[i])
+      for (std::size_t c = 0; c < 3; ++c) stored[c] = vm::srgb_encode8(frame.linear[i * 4 + c]);
+    std::copy(stored.begin(), stored.end(), &frame.rgba8[i * 4]);
   }
 }
 
@@ -116,13 +119,11 @@ void resolve(const FrameOptions& options, const DrawList& list, Frame& frame) {
     untouched = frame.linear;
     tone_map(list, options.tonemap, options.vm, frame.linear, frame);
   }
-  host::parallel_for(frame.height, [&](std::int64_t y) { encode_rows(frame, static_cast<int>(y)); });
+  std::array<std::uint8_t, 4> background{0, 0, 0, 255};
+  for (std::size_t c = 0; c < 3; ++c) background[c] = stored_code(options.background[static_cast<int>(c)]);
+  host::parallel_for(frame.height,
+                     [&](std::int64_t y) { encode_row(background, frame, static_cast<int>(y)); });
   if (!untouched.empty()) frame.linear = std::move(untouched);
-  // Where nothing was drawn the background is what the user asked to have stored.
-  for (std::size_t i = 0; i < frame.pixel_count(); ++i)
-    if (!frame.covered[i])
-      for (std::size_t c = 0; c < 3; ++c)
-        frame.rgba8[i * 4 + c] = stored_code(options.background[static_cast<int>(c)]);
 }
 
 }  // namespace aluminate::passes

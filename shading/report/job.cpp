@@ -9,6 +9,7 @@
 #include "platform/host/image_file.hpp"
 #include "scenes/scene.hpp"
 #include "shading/brdf/visibility.hpp"
+#include "shading/passes/renderer.hpp"
 #include "shading/report/frame_cost.hpp"
 #include "shading/report/heat_map.hpp"
 
@@ -27,25 +28,34 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 
 }  // namespace
 
-Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms) {
+Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, passes::Frame frame,
+            double budget_ms) {
   Billed billed;
   billed.name = std::string(brdf::to_string(options.visibility));
   billed.origin = {scene.file, scene.content_hash, options};
   billed.gpu = console::load_platform(options.platform);
-  billed.frame = passes::render_frame(scene, options);
+  billed.frame = std::move(frame);
   // As an option again: the frame describes its lights as "scene (4 lights)".
   billed.origin.options.lights = billed.frame.lights.substr(0, billed.frame.lights.find(' '));
   billed.budget = frame_budget(billed.frame, billed.gpu, budget_ms);
   return billed;
 }
 
+Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms) {
+  return bill(scene, options, passes::render_frame(scene, options), budget_ms);
+}
+
 Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms,
                        int frames) {
+  passes::Renderer renderer(scene, options);
   std::vector<double> frame_ms;
-  for (int i = 1; i < frames; ++i)
-    frame_ms.push_back(passes::render_frame(scene, options).timing.frame_ms.front());
-  Billed billed = bill(scene, options, budget_ms);
-  billed.frame.timing.frame_ms.insert(billed.frame.timing.frame_ms.begin(), frame_ms.begin(), frame_ms.end());
+  passes::Frame frame;
+  for (int i = 0; i < frames; ++i) {
+    frame = renderer.draw(std::move(frame));
+    frame_ms.push_back(frame.timing.frame_ms.front());
+  }
+  frame.timing.frame_ms = std::move(frame_ms);
+  Billed billed = bill(scene, options, std::move(frame), budget_ms);
   billed.lights = passes::light_costs(options, billed.gpu);
   return billed;
 }

@@ -19,8 +19,12 @@ namespace aluminate::report {
 Billed render_and_bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms,
                        int frames);
 
-/// One rendering with its price and without the marginal costs of a light, which take three more compilations.
+/// One rendering with its price and without the marginal costs of a light, which take three more
+/// compilations.
 Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, double budget_ms);
+/// The price of a frame that is there.
+Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, passes::Frame frame,
+            double budget_ms);
 
 /// .png: stored display values. .exr: linear light R, G, B, A before tone map and clamp. UserError for other
 /// endings.

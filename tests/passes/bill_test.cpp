@@ -6,6 +6,7 @@
 #include "scenes/loader.hpp"
 #include "shading/passes/frame.hpp"
 #include "shading/passes/inspect.hpp"
+#include "shading/passes/renderer.hpp"
 #include "tests/passes/sample_scene.hpp"
 
 namespace aluminate::passes {
@@ -109,6 +110,38 @@ void expect_nothing_changes(FrameOptions options, const std::string& what) {
     EXPECT_EQ(many.cost.path, one.cost.path) << count;
   }
   host::set_thread_count(threads);
+}
+
+// Nothing of a frame survives into the next one: neither counts nor what its recycled memory held.
+TEST(Bill, EveryFrameOfARendererIsTheSame) {
+  for (const char* settings : {"", "msaa=4,tonemap=filmic", "pipeline=deferred,shadows=on"}) {
+    SCOPED_TRACE(settings);
+    FrameOptions options = small(131, 70);
+    set_options(options, settings);
+    const scenes::Scene& scene = test::sample_scene("beach_hut");
+    const Frame once = render_frame(scene, options);
+    Renderer renderer(scene, options);
+    Frame frame = renderer.draw();
+    for (int again = 0; again < 2; ++again) {
+      std::fill(frame.linear.begin(), frame.linear.end(), 7.0f);
+      std::fill(frame.rgba8.begin(), frame.rgba8.end(), std::uint8_t{7});
+      std::fill(frame.cost.alu_words.begin(), frame.cost.alu_words.end(), 7u);
+      frame = renderer.draw(std::move(frame));
+      EXPECT_EQ(frame.rgba8, once.rgba8);
+      EXPECT_EQ(frame.linear, once.linear);
+      EXPECT_EQ(frame.covered, once.covered);
+      EXPECT_EQ(frame.depth_d24, once.depth_d24);
+      EXPECT_EQ(frame.cost.alu_words, once.cost.alu_words);
+      EXPECT_EQ(frame.cost.path, once.cost.path);
+      EXPECT_EQ(frame.saturations, once.saturations);
+      EXPECT_EQ(frame.skipped, once.skipped);
+      ASSERT_EQ(frame.passes.size(), once.passes.size());
+      for (std::size_t p = 0; p < frame.passes.size(); ++p) {
+        EXPECT_EQ(frame.passes[p].alu_words, once.passes[p].alu_words);
+        EXPECT_EQ(frame.passes[p].vertex_words, once.passes[p].vertex_words);
+      }
+    }
+  }
 }
 
 TEST(Bill, ThreadsAndSkipsChangeNothing) {
