@@ -45,12 +45,12 @@ inline std::uint32_t depth_from_z4(std::int32_t z4) noexcept {
 /// One depth slope per sub in 2^-38 D24: the binary64 quotient (numerator and area are exact), scaled, held below 2^62 and
 /// truncated. Error below 2^-38 + 2^-53 |slope|: at 2^23 sub less than 2^-13 D24 unless the whole depth range passes within
 /// a few pixels; such slivers are bounded by the clamp to [z_min, z_max].
+inline constexpr double kSlopeScale = 0x1p34, kSlopeLimit = 0x1p62;  // z4 units to 2^-38 D24: 38 - 4
+static_assert(kPlaneBits - kVertexDepthBits == 34);
 inline std::int64_t depth_slope(std::int64_t numerator, std::int64_t area2) noexcept {
-  constexpr double kScale = 0x1p34, kLimit = 0x1p62;  // z4 units to 2^-38 D24: 38 - 4
-  static_assert(kPlaneBits - kVertexDepthBits == 34);
-  double slope = static_cast<double>(numerator) / static_cast<double>(area2) * kScale;
-  slope = slope > kLimit ? kLimit : slope;
-  slope = slope < -kLimit ? -kLimit : slope;
+  double slope = static_cast<double>(numerator) / static_cast<double>(area2) * kSlopeScale;
+  slope = slope > kSlopeLimit ? kSlopeLimit : slope;
+  slope = slope < -kSlopeLimit ? -kSlopeLimit : slope;
   return static_cast<std::int64_t>(slope);
 }
 
@@ -94,26 +94,22 @@ inline void fill_corners(const ScreenVertex& v0, const ScreenVertex& v1, const S
 ///   depth = clamp((A + i gx + j gy) >> 7, z_min, z_max)                  i, j = pixel in the 4x4 stamp
 /// Off the exact plane by at most 1/2 + 2^-7 + 6 * 2^-8 + 2^-13 D24. Slope 0 gives the corners' depth at every sample.
 struct DepthSteps {
-  std::uint64_t origin;        // P at the centre of a tile's first pixel
+  std::uint64_t origin;        // P at the centre of a first pixel: of the tile, or of a stamp in it
   std::uint64_t sub_x, sub_y;  // slope
   std::uint64_t px_x, px_y;    // 256 * slope: one pixel
   std::uint32_t lane_x, lane_y;  // gx, gy
   std::int32_t z_min, z_max;
 };
 
-inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept {
-  const std::int64_t x1 = t.x[1] - t.x[0], x2 = t.x[2] - t.x[0], y1 = t.y[1] - t.y[0], y2 = t.y[2] - t.y[0];
-  const std::int64_t z1 = t.z4[1] - t.z4[0], z2 = t.z4[2] - t.z4[0];
-  const std::int64_t area2 = x1 * y2 - x2 * y1;
-  const auto dx = static_cast<std::uint64_t>(depth_slope(z1 * y2 - z2 * y1, area2));
-  const auto dy = static_cast<std::uint64_t>(depth_slope(z2 * x1 - z1 * x2, area2));
+/// to_x, to_y: from corner 0, whose depth is z4, to the centre of the first pixel, sub.
+inline DepthSteps depth_steps(std::int64_t slope_x, std::int64_t slope_y, std::int32_t z4, std::int32_t to_x, std::int32_t to_y,
+                              std::uint32_t z_min, std::uint32_t z_max) noexcept {
+  const auto dx = static_cast<std::uint64_t>(slope_x), dy = static_cast<std::uint64_t>(slope_y);
   DepthSteps steps;
-  steps.z_min = static_cast<std::int32_t>(t.z_min);
-  steps.z_max = static_cast<std::int32_t>(depth_from_z4(std::max(std::max(t.z4[0], t.z4[1]), t.z4[2])));
-  const auto offset_x = static_cast<std::uint64_t>(std::int64_t{tile.x * kSubpixels + kHalfPixel - t.x[0]});
-  const auto offset_y = static_cast<std::uint64_t>(std::int64_t{tile.y * kSubpixels + kHalfPixel - t.y[0]});
-  steps.origin = (static_cast<std::uint64_t>(t.z4[0]) << (kPlaneBits - kVertexDepthBits)) + (std::uint64_t{1} << (kPlaneBits - 1)) +
-                 dx * offset_x + dy * offset_y;
+  steps.z_min = static_cast<std::int32_t>(z_min);
+  steps.z_max = static_cast<std::int32_t>(z_max);
+  steps.origin = (static_cast<std::uint64_t>(z4) << (kPlaneBits - kVertexDepthBits)) + (std::uint64_t{1} << (kPlaneBits - 1)) +
+                 dx * static_cast<std::uint64_t>(std::int64_t{to_x}) + dy * static_cast<std::uint64_t>(std::int64_t{to_y});
   steps.sub_x = dx;
   steps.sub_y = dy;
   steps.px_x = dx << kSubpixelBits;
@@ -123,6 +119,16 @@ inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept 
   steps.lane_x = static_cast<std::uint32_t>(static_cast<std::int64_t>(steps.px_x + kHalf) >> kShift);
   steps.lane_y = static_cast<std::uint32_t>(static_cast<std::int64_t>(steps.px_y + kHalf) >> kShift);
   return steps;
+}
+
+/// From the tile's first pixel on.
+inline DepthSteps depth_steps(const SetupTriangle& t, TileOrigin tile) noexcept {
+  const std::int64_t x1 = t.x[1] - t.x[0], x2 = t.x[2] - t.x[0], y1 = t.y[1] - t.y[0], y2 = t.y[2] - t.y[0];
+  const std::int64_t z1 = t.z4[1] - t.z4[0], z2 = t.z4[2] - t.z4[0];
+  const std::int64_t area2 = x1 * y2 - x2 * y1;
+  return depth_steps(depth_slope(z1 * y2 - z2 * y1, area2), depth_slope(z2 * x1 - z1 * x2, area2), t.z4[0],
+                     tile.x * kSubpixels + kHalfPixel - t.x[0], tile.y * kSubpixels + kHalfPixel - t.y[0], t.z_min,
+                     depth_from_z4(std::max(std::max(t.z4[0], t.z4[1]), t.z4[2])));
 }
 
 /// A from P.

@@ -1,0 +1,260 @@
+// Small triangles, one sample a pixel: prepared eight at a time with one triangle a lane, then drawn one after the other with
+// one pixel a lane. Meshes are made of them, and what each one needs before its first pixel (bounds, edges, depth slopes) costs
+// several times its pixels. The numbers are those of triangle_walk-inl.hpp and canonical.hpp, only in fewer bits.
+#if defined(ALUMINATE_SMALL_TRIANGLES) == defined(HWY_TARGET_TOGGLE)
+#ifdef ALUMINATE_SMALL_TRIANGLES
+#undef ALUMINATE_SMALL_TRIANGLES
+#else
+#define ALUMINATE_SMALL_TRIANGLES
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "rasterizer/canonical.hpp"
+#include "rasterizer/hierarchical_depth-inl.hpp"
+#include "rasterizer/opaque_stamps-inl.hpp"
+#include "rasterizer/stamp_lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace aluminate::raster::HWY_NAMESPACE {
+
+constexpr std::size_t kSmallGroup = 8;
+
+// Bounds of at most this many sub hold 13 pixels, hence 4 stamps, each way.
+constexpr std::int32_t kSmallSub = 12 * kSubpixels;
+static_assert(kSmallSub / kSubpixels + 1 + (kStampPx - 1) <= 4 * kStampPx);
+// A stamp that holds a pixel of the bounds begins at most 3 pixels before them: |dx|, |dy| <= kSmallSub and |p - a| <= kReach,
+// so its edge values, and after the shift those of all 4x4 stamps from the first one on, fit 32 bits unclamped.
+constexpr std::int64_t kReach = kSmallSub + kStampPx * kSubpixels;
+static_assert(2 * kSmallSub * kReach + 1 <= INT32_MAX);
+static_assert((2 * kSmallSub * kReach >> kSubpixelBits) + 2 * 15 * kSmallSub <= INT32_MAX);
+
+// One triangle a lane; in binary64 where integers need up to 53 bits (limits.hpp).
+using Corner = hn::CappedTag<std::int32_t, kSmallGroup>;
+using CornerVector = hn::Vec<Corner>;
+using Quotient = hn::CappedTag<double, kSmallGroup>;
+constexpr Corner kCorner;
+constexpr Quotient kQuotient;
+constexpr hn::Rebind<std::int32_t, Quotient> kNumerator;
+constexpr std::size_t kCornerLanes = hn::MaxLanes(Corner()), kQuotientLanes = hn::MaxLanes(Quotient());
+constexpr std::uint32_t kCornerMask = (1u << kCornerLanes) - 1;
+static_assert(kSmallGroup % kCornerLanes == 0);
+
+/// Up to 8 consecutive records of a tile. Bit i of a mask, element i of an array: record i. Pixels are tile-relative.
+struct alignas(64) SmallGroup {
+  const SetupTriangle* record[kSmallGroup];
+  std::uint32_t large;   // not small: looked at no further
+  std::uint32_t live;    // to be drawn: large, or with pixels in the tile and not hidden
+  std::uint32_t single;  // bounds of one pixel: c is its edge values
+  std::uint32_t hidden;  // behind everything in the tile
+  std::int32_t x0[kSmallGroup], y0[kSmallGroup], x1[kSmallGroup], y1[kSmallGroup];  // as in Walk
+  std::int32_t dx[3][kSmallGroup], dy[3][kSmallGroup];
+  std::int32_t c[3][kSmallGroup];                          // at the first pixel of the first stamp
+  std::int32_t to_x[kSmallGroup], to_y[kSmallGroup];       // from corner 0 to that pixel's centre, sub
+  std::int32_t z4[kSmallGroup], dz1[kSmallGroup], dz2[kSmallGroup], z_max[kSmallGroup];
+  double slope_x[kSmallGroup], slope_y[kSmallGroup];       // depth_slope before truncation
+};
+
+/// 4 consecutive fields of kCornerLanes records, transposed: field[f] holds field first_field + f of each.
+HWY_INLINE void load_fields(const SetupTriangle* const* record, std::size_t first_field, CornerVector (&field)[4]) {
+  const auto fields = [&](std::size_t i) { return reinterpret_cast<const std::int32_t*>(record[i]) + first_field; };
+#if HWY_TARGET == HWY_SCALAR
+  for (std::size_t f = 0; f < 4; ++f) field[f] = hn::Set(kCorner, fields(0)[f]);
+#else
+  const hn::CappedTag<std::int32_t, 4> four;
+  const hn::RepartitionToWide<Corner> pairs;
+  CornerVector row[4];
+  for (std::size_t r = 0; r < 4; ++r) {
+#if HWY_MAX_BYTES >= 32
+    row[r] = hn::Combine(kCorner, hn::Load(four, fields(r + 4)), hn::Load(four, fields(r)));
+#else
+    row[r] = hn::Load(four, fields(r));
+#endif
+  }
+  const auto ab01 = hn::BitCast(pairs, hn::InterleaveLower(kCorner, row[0], row[1])), cd01 = hn::BitCast(pairs, hn::InterleaveLower(kCorner, row[2], row[3]));
+  const auto ab23 = hn::BitCast(pairs, hn::InterleaveUpper(kCorner, row[0], row[1])), cd23 = hn::BitCast(pairs, hn::InterleaveUpper(kCorner, row[2], row[3]));
+  field[0] = hn::BitCast(kCorner, hn::InterleaveLower(pairs, ab01, cd01));
+  field[1] = hn::BitCast(kCorner, hn::InterleaveUpper(pairs, ab01, cd01));
+  field[2] = hn::BitCast(kCorner, hn::InterleaveLower(pairs, ab23, cd23));
+  field[3] = hn::BitCast(kCorner, hn::InterleaveUpper(pairs, ab23, cd23));
+#endif
+}
+
+HWY_INLINE std::uint32_t corner_bits(hn::Mask<Corner> mask, std::size_t first) { return mask_bits(kCorner, mask) << first; }
+
+/// Bounds, edges and masks of kCornerLanes records from `first` on.
+HWY_INLINE void prepare_edges(const TileMemory& tile, bool tile_hiz, std::size_t first, SmallGroup& group) {
+  static_assert(offsetof(SetupTriangle, x) == 0 && offsetof(SetupTriangle, y) == 12 && offsetof(SetupTriangle, z4) == 24 &&
+                offsetof(SetupTriangle, z_min) == 36 && offsetof(SetupTriangle, draw_and_culled) == 44);
+  CornerVector low[4], middle[4], high[4];
+  load_fields(group.record + first, 0, low);
+  load_fields(group.record + first, 4, middle);
+  load_fields(group.record + first, 8, high);
+  const CornerVector x[3] = {low[0], low[1], low[2]}, y[3] = {low[3], middle[0], middle[1]}, z4[3] = {middle[2], middle[3], high[0]};
+  const auto set = [](std::int32_t v) HWY_ATTR { return hn::Set(kCorner, v); };
+  const CornerVector zero = hn::Zero(kCorner);
+
+  const CornerVector left = hn::Min(hn::Min(x[0], x[1]), x[2]), right = hn::Max(hn::Max(x[0], x[1]), x[2]);
+  const CornerVector top = y[0], bottom = hn::Max(y[1], y[2]);  // canonical order starts at the top
+  constexpr std::int32_t kToFirst = kSubpixels - 1 - kHalfPixel;  // first_pixel, last_pixel of samples.hpp
+  const CornerVector origin_x = set(tile.origin.x), origin_y = set(tile.origin.y);
+  const CornerVector x0 = hn::Max(hn::Sub(hn::ShiftRight<kSubpixelBits>(hn::Add(left, set(kToFirst))), origin_x), zero);
+  const CornerVector y0 = hn::Max(hn::Sub(hn::ShiftRight<kSubpixelBits>(hn::Add(top, set(kToFirst))), origin_y), zero);
+  const CornerVector x1 = hn::Min(hn::Sub(hn::ShiftRight<kSubpixelBits>(hn::Sub(right, set(kHalfPixel))), origin_x), set(tile.width - 1));
+  const CornerVector y1 = hn::Min(hn::Sub(hn::ShiftRight<kSubpixelBits>(hn::Sub(bottom, set(kHalfPixel))), origin_y), set(tile.height - 1));
+  const auto large = hn::Or(hn::Gt(hn::Sub(right, left), set(kSmallSub)), hn::Gt(hn::Sub(bottom, top), set(kSmallSub)));
+  const auto outside = hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1)), culled = hn::Lt(high[3], zero);
+  const auto single = hn::And(hn::Eq(x0, x1), hn::Eq(y0, y1));
+  const auto behind = hn::Gt(high[1], set(tile_hiz ? static_cast<std::int32_t>(tile.tile_max) - 1 : INT32_MAX));
+  const std::uint32_t large_bits = corner_bits(large, first), drawn_bits = ~corner_bits(culled, first), behind_bits = corner_bits(behind, first);
+  group.large |= large_bits;
+  group.single |= corner_bits(single, first);
+  group.hidden |= behind_bits & ~large_bits & drawn_bits;
+  group.live |= drawn_bits & kCornerMask << first & (large_bits | ~(behind_bits | corner_bits(outside, first)));
+
+  const auto first_centre = [&](CornerVector px, CornerVector origin) HWY_ATTR {
+    return hn::Add(hn::ShiftLeft<kSubpixelBits>(hn::Add(px, origin)), set(kHalfPixel));
+  };
+  const CornerVector stamp_mask = set(~(kStampPx - 1));
+  const CornerVector stamp_px = first_centre(hn::And(x0, stamp_mask), origin_x), stamp_py = first_centre(hn::And(y0, stamp_mask), origin_y);
+  const CornerVector px = hn::IfThenElse(single, first_centre(x0, origin_x), stamp_px), py = hn::IfThenElse(single, first_centre(y0, origin_y), stamp_py);
+  const auto store = [first](CornerVector v, std::int32_t* array) HWY_ATTR { hn::Store(v, kCorner, array + first); };
+  for (int k = 0; k < 3; ++k) {
+    const int n = k == 2 ? 0 : k + 1;
+    const CornerVector dx = hn::Sub(x[n], x[k]), dy = hn::Sub(y[n], y[k]);
+    const CornerVector edge = hn::Sub(hn::Mul(dx, hn::Sub(py, y[k])), hn::Mul(dy, hn::Sub(px, x[k])));
+    const auto top_left = hn::Or(hn::Lt(dy, zero), hn::And(hn::Eq(dy, zero), hn::Gt(dx, zero)));
+    const CornerVector biased = hn::Add(edge, hn::IfThenZeroElse(top_left, set(-1)));
+    store(dx, group.dx[k]);
+    store(dy, group.dy[k]);
+    store(hn::ShiftRight<kSubpixelBits>(biased), group.c[k]);  // floor
+  }
+  store(x0, group.x0);
+  store(y0, group.y0);
+  store(x1, group.x1);
+  store(y1, group.y1);
+  store(hn::Sub(stamp_px, x[0]), group.to_x);
+  store(hn::Sub(stamp_py, y[0]), group.to_y);
+  store(z4[0], group.z4);
+  store(hn::Sub(z4[1], z4[0]), group.dz1);
+  store(hn::Sub(z4[2], z4[0]), group.dz2);
+  const CornerVector most = hn::Max(hn::Max(z4[0], z4[1]), z4[2]);
+  store(hn::ShiftRight<kVertexDepthBits>(hn::Add(most, set(1 << (kVertexDepthBits - 1)))), group.z_max);
+}
+
+/// Depth slopes (depth_slope of canonical.hpp, the same operations) of kQuotientLanes records from `first` on.
+HWY_INLINE void prepare_slopes(std::size_t first, SmallGroup& group) {
+  const auto get = [first](const std::int32_t* array) HWY_ATTR { return hn::PromoteTo(kQuotient, hn::Load(kNumerator, array + first)); };
+  // Corners 1 and 2 from corner 0: edge 0, and edge 2 backwards.
+  const auto x1 = get(group.dx[0]), y1 = get(group.dy[0]), back_x2 = get(group.dx[2]), back_y2 = get(group.dy[2]);
+  const auto z1 = get(group.dz1), z2 = get(group.dz2);
+  const auto area2 = hn::Sub(hn::Mul(back_x2, y1), hn::Mul(x1, back_y2));
+  const auto down_x = hn::Add(hn::Mul(z1, back_y2), hn::Mul(z2, y1)), down_y = hn::Add(hn::Mul(z2, x1), hn::Mul(z1, back_x2));
+  const auto slope = [&](auto numerator) HWY_ATTR {
+    const auto scaled = hn::Mul(hn::Div(numerator, area2), hn::Set(kQuotient, kSlopeScale));
+    return hn::Max(hn::Min(scaled, hn::Set(kQuotient, kSlopeLimit)), hn::Set(kQuotient, -kSlopeLimit));
+  };
+  hn::Store(slope(hn::Neg(down_x)), kQuotient, group.slope_x + first);
+  hn::Store(slope(down_y), kQuotient, group.slope_y + first);
+}
+
+/// Hidden ones are judged by the tile's farthest depth before the first of the group is drawn.
+HWY_INLINE void prepare_group(TileMemory& tile, const SetupTriangle* records, std::size_t count, bool tile_hiz, SmallGroup& group) {
+  for (std::size_t i = 0; i < kSmallGroup; ++i) group.record[i] = records + std::min(i, count - 1);
+  if (tile_hiz && tile.tile_writes >= kTileWorthRefreshing) {
+    std::uint32_t farthest = 0;
+    for (std::size_t i = 0; i < kSmallGroup; ++i) farthest = std::max(farthest, group.record[i]->z_min);
+    refresh_tile<1>(tile, farthest);
+  }
+  group.live = group.large = group.single = group.hidden = 0;
+  for (std::size_t first = 0; first < kSmallGroup; first += kCornerLanes) prepare_edges(tile, tile_hiz, first, group);
+  const std::uint32_t meant = (1u << count) - 1;
+  group.live &= meant;
+  group.hidden &= meant;
+  if ((group.live & ~group.large) == 0) return;
+  for (std::size_t first = 0; first < kSmallGroup; first += kQuotientLanes) prepare_slopes(first, group);
+}
+
+HWY_INLINE DepthSteps steps_of(const SmallGroup& group, std::size_t i) {
+  return depth_steps(static_cast<std::int64_t>(group.slope_x[i]), static_cast<std::int64_t>(group.slope_y[i]), group.z4[i], group.to_x[i],
+                     group.to_y[i], group.record[i]->z_min, static_cast<std::uint32_t>(group.z_max[i]));
+}
+
+/// A record of one pixel.
+template <BillRule::Kind kBill>
+HWY_INLINE void draw_single(TileMemory& tile, const SmallGroup& group, std::size_t i, const KernelOptions& options, BillBuffer& bill) {
+  if ((group.c[0][i] | group.c[1][i] | group.c[2][i]) < 0) return;
+  draw_single_pixel<kBill>(tile, *group.record[i], steps_of(group, i), group.x0[i], group.y0[i], options, bill);
+}
+
+// Stamps of a 4x4 square of them that lie in its first columns and rows, as lanes.
+struct StampSquares {
+  std::uint16_t columns[4], rows[4];
+};
+constexpr StampSquares make_stamp_squares() {
+  StampSquares squares{};
+  for (int lane = 0; lane < 16; ++lane)
+    for (int n = 0; n < 4; ++n) {
+      if (lane_x(lane) <= n) squares.columns[n] |= static_cast<std::uint16_t>(1u << lane);
+      if (lane_y(lane) <= n) squares.rows[n] |= static_cast<std::uint16_t>(1u << lane);
+    }
+  return squares;
+}
+constexpr StampSquares kStampSquares = make_stamp_squares();
+
+/// A record of several pixels in up to 4x4 stamps.
+template <BillRule::Kind kBill>
+HWY_INLINE void draw_stamps(TileMemory& tile, const SmallGroup& group, std::size_t i, const KernelOptions& options, BillBuffer& bill,
+                            std::uint64_t& hidden_blocks) {
+  const int x0 = group.x0[i], y0 = group.y0[i], x1 = group.x1[i], y1 = group.y1[i];
+  const SetupTriangle& record = *group.record[i];
+  if (options.block_hiz && ((x0 ^ x1) | (y0 ^ y1)) < kBlockPx) {
+    const int block = stamp_at(x0, y0) >> 4;
+    refresh_block<1>(tile, block, record.z_min);
+    if (static_cast<std::int32_t>(record.z_min) >= tile.block_max[block]) {
+      ++hidden_blocks;
+      return;
+    }
+  }
+  const DepthSteps steps = steps_of(group, i);
+  OpaqueStamps<1, kBill> emit(tile, record, steps, options, bill);
+  Vector16 lanes[3];
+  for (std::size_t k = 0; k < 2; ++k) lanes[k] = lane_plane(-group.dy[k][i], group.dx[k][i]);
+  for (std::size_t p = 0; p < kParts; ++p) lanes[2].part[p] = hn::Neg(hn::Add(lanes[0].part[p], lanes[1].part[p]));  // the edges' sum is 0
+  const int columns = (x1 >> 2) - (x0 >> 2), rows = (y1 >> 2) - (y0 >> 2);
+  if ((columns | rows) == 0) {
+    Coverage<1> covered;
+    cover(covered, hn::Set(kTag, group.c[0][i]), hn::Set(kTag, group.c[1][i]), hn::Set(kTag, group.c[2][i]), lanes);
+    if (covered.any != 0) emit.some(stamp_at(x0, y0), covered, steps.origin);
+    return;
+  }
+  // One stamp a lane: those where all edges have a pixel inside, each on its own.
+  alignas(64) std::int32_t corner[3][16];  // edge values at the stamps' first pixels
+  std::uint32_t rejected = 0;
+  for (std::size_t p = 0; p < kParts; ++p) {
+    Vector any_best = hn::Zero(kTag);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector at = hn::Add(hn::ShiftLeft<2>(lanes[k].part[p]), hn::Set(kTag, group.c[k][i]));
+      const std::int32_t best = std::max(-group.dy[k][i], 0) + std::max(group.dx[k][i], 0);
+      hn::Store(at, kTag, corner[k] + p * kLanes);
+      any_best = hn::Or(any_best, hn::Add(at, hn::Set(kTag, best * (kStampPx - 1))));
+    }
+    rejected |= sign_bits(any_best, p);
+  }
+  std::uint32_t left = ~rejected & kStampSquares.columns[columns] & kStampSquares.rows[rows];
+  const int x = x0 & ~(kStampPx - 1), y = y0 & ~(kStampPx - 1);
+  for (; left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left), sx = kStampPx * lane_x(lane), sy = kStampPx * lane_y(lane);
+    Coverage<1> covered;
+    cover(covered, hn::Set(kTag, corner[0][lane]), hn::Set(kTag, corner[1][lane]), hn::Set(kTag, corner[2][lane]), lanes);
+    if (covered.any != 0) emit.some(stamp_at(x + sx, y + sy), covered, centre_plane(steps, sx, sy));
+  }
+}
+
+}  // namespace aluminate::raster::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
