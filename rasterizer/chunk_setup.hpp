@@ -14,6 +14,7 @@
 #include "rasterizer/screen_vertex.hpp"
 #include "rasterizer/skip.hpp"
 #include "rasterizer/triangle.hpp"
+#include "rasterizer/triangle_setup.hpp"
 
 namespace aluminate::raster {
 
@@ -54,8 +55,8 @@ struct ChunkScratch {
   struct Entry {
     std::uint32_t record = 0, tile = 0;
   };
-  std::unique_ptr<SetupTriangle[]> records;  // kChunkTriangles * kMaxClipFragments
-  std::uint32_t record_count = 0;
+  std::unique_ptr<SetupTriangle[]> records;  // kChunkTriangles * kMaxClipFragments + kSetupSlack
+  std::unique_ptr<TileBounds[]> bounds;      // as many
   std::vector<Entry> entries;
   std::vector<std::uint32_t> tile_count;   // zero between chunks
 };

@@ -16,6 +16,7 @@
 #include "rasterizer/canonical.hpp"
 #include "rasterizer/hierarchical_depth-inl.hpp"
 #include "rasterizer/opaque_stamps-inl.hpp"
+#include "rasterizer/record_lanes-inl.hpp"
 #include "rasterizer/stamp_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -32,16 +33,12 @@ constexpr std::int64_t kReach = kSmallSub + kStampPx * kSubpixels;
 static_assert(2 * kSmallSub * kReach + 1 <= INT32_MAX);
 static_assert((2 * kSmallSub * kReach >> kSubpixelBits) + 2 * 15 * kSmallSub <= INT32_MAX);
 
-// One triangle a lane; in binary64 where integers need up to 53 bits (limits.hpp).
-using Corner = hn::CappedTag<std::int32_t, kSmallGroup>;
-using CornerVector = hn::Vec<Corner>;
+static_assert(kSmallGroup % kCornerLanes == 0);
+// In binary64 where integers need up to 53 bits (limits.hpp).
 using Quotient = hn::CappedTag<double, kSmallGroup>;
-constexpr Corner kCorner;
 constexpr Quotient kQuotient;
 constexpr hn::Rebind<std::int32_t, Quotient> kNumerator;
-constexpr std::size_t kCornerLanes = hn::MaxLanes(Corner()), kQuotientLanes = hn::MaxLanes(Quotient());
-constexpr std::uint32_t kCornerMask = (1u << kCornerLanes) - 1;
-static_assert(kSmallGroup % kCornerLanes == 0);
+constexpr std::size_t kQuotientLanes = hn::MaxLanes(Quotient());
 
 /// Up to 8 consecutive records of a tile. Bit i of a mask, element i of an array: record i. Pixels are tile-relative.
 struct alignas(64) SmallGroup {
@@ -58,41 +55,17 @@ struct alignas(64) SmallGroup {
   double slope_x[kSmallGroup], slope_y[kSmallGroup];       // depth_slope before truncation
 };
 
-/// 4 consecutive fields of kCornerLanes records, transposed: field[f] holds field first_field + f of each.
-HWY_INLINE void load_fields(const SetupTriangle* const* record, std::size_t first_field, CornerVector (&field)[4]) {
-  const auto fields = [&](std::size_t i) { return reinterpret_cast<const std::int32_t*>(record[i]) + first_field; };
-#if HWY_TARGET == HWY_SCALAR
-  for (std::size_t f = 0; f < 4; ++f) field[f] = hn::Set(kCorner, fields(0)[f]);
-#else
-  const hn::CappedTag<std::int32_t, 4> four;
-  const hn::RepartitionToWide<Corner> pairs;
-  CornerVector row[4];
-  for (std::size_t r = 0; r < 4; ++r) {
-#if HWY_MAX_BYTES >= 32
-    row[r] = hn::Combine(kCorner, hn::Load(four, fields(r + 4)), hn::Load(four, fields(r)));
-#else
-    row[r] = hn::Load(four, fields(r));
-#endif
-  }
-  const auto ab01 = hn::BitCast(pairs, hn::InterleaveLower(kCorner, row[0], row[1])), cd01 = hn::BitCast(pairs, hn::InterleaveLower(kCorner, row[2], row[3]));
-  const auto ab23 = hn::BitCast(pairs, hn::InterleaveUpper(kCorner, row[0], row[1])), cd23 = hn::BitCast(pairs, hn::InterleaveUpper(kCorner, row[2], row[3]));
-  field[0] = hn::BitCast(kCorner, hn::InterleaveLower(pairs, ab01, cd01));
-  field[1] = hn::BitCast(kCorner, hn::InterleaveUpper(pairs, ab01, cd01));
-  field[2] = hn::BitCast(kCorner, hn::InterleaveLower(pairs, ab23, cd23));
-  field[3] = hn::BitCast(kCorner, hn::InterleaveUpper(pairs, ab23, cd23));
-#endif
-}
-
-HWY_INLINE std::uint32_t corner_bits(hn::Mask<Corner> mask, std::size_t first) { return mask_bits(kCorner, mask) << first; }
-
 /// Bounds, edges and masks of kCornerLanes records from `first` on.
 HWY_INLINE void prepare_edges(const TileMemory& tile, bool tile_hiz, std::size_t first, SmallGroup& group) {
   static_assert(offsetof(SetupTriangle, x) == 0 && offsetof(SetupTriangle, y) == 12 && offsetof(SetupTriangle, z4) == 24 &&
                 offsetof(SetupTriangle, z_min) == 36 && offsetof(SetupTriangle, draw_and_culled) == 44);
   CornerVector low[4], middle[4], high[4];
-  load_fields(group.record + first, 0, low);
-  load_fields(group.record + first, 4, middle);
-  load_fields(group.record + first, 8, high);
+  const auto fields = [&](std::size_t from) {
+    return [&, from](std::size_t lane) { return reinterpret_cast<const std::int32_t*>(group.record[first + lane]) + from; };
+  };
+  load_fields(fields(0), low);
+  load_fields(fields(4), middle);
+  load_fields(fields(8), high);
   const CornerVector x[3] = {low[0], low[1], low[2]}, y[3] = {low[3], middle[0], middle[1]}, z4[3] = {middle[2], middle[3], high[0]};
   const auto set = [](std::int32_t v) HWY_ATTR { return hn::Set(kCorner, v); };
   const CornerVector zero = hn::Zero(kCorner);
@@ -109,11 +82,11 @@ HWY_INLINE void prepare_edges(const TileMemory& tile, bool tile_hiz, std::size_t
   const auto outside = hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1)), culled = hn::Lt(high[3], zero);
   const auto single = hn::And(hn::Eq(x0, x1), hn::Eq(y0, y1));
   const auto behind = hn::Gt(high[1], set(tile_hiz ? static_cast<std::int32_t>(tile.tile_max) - 1 : INT32_MAX));
-  const std::uint32_t large_bits = corner_bits(large, first), drawn_bits = ~corner_bits(culled, first), behind_bits = corner_bits(behind, first);
-  group.large |= large_bits;
-  group.single |= corner_bits(single, first);
-  group.hidden |= behind_bits & ~large_bits & drawn_bits;
-  group.live |= drawn_bits & kCornerMask << first & (large_bits | ~(behind_bits | corner_bits(outside, first)));
+  const std::uint32_t large_bits = corner_bits(large), drawn_bits = kAllCorners & ~corner_bits(culled), behind_bits = corner_bits(behind);
+  group.large |= large_bits << first;
+  group.single |= corner_bits(single) << first;
+  group.hidden |= (behind_bits & ~large_bits & drawn_bits) << first;
+  group.live |= (drawn_bits & (large_bits | ~(behind_bits | corner_bits(outside)))) << first;
 
   const auto first_centre = [&](CornerVector px, CornerVector origin) HWY_ATTR {
     return hn::Add(hn::ShiftLeft<kSubpixelBits>(hn::Add(px, origin)), set(kHalfPixel));

@@ -11,10 +11,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "rasterizer/bill.hpp"
 #include "rasterizer/limits.hpp"
+#include "rasterizer/record_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace aluminate::raster::HWY_NAMESPACE {
@@ -34,17 +34,6 @@ struct Vector16 {
 
 alignas(64) constexpr std::int32_t kLaneX[16] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
 alignas(64) constexpr std::int32_t kLaneY[16] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
-
-/// At most 16 lanes.
-template <class AnyTag, class AnyMask>
-HWY_INLINE std::uint32_t mask_bits(AnyTag tag, AnyMask mask) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(tag, mask, bytes);
-  if constexpr (hn::MaxLanes(AnyTag()) <= 8) return bytes[0];
-  std::uint16_t bits;
-  std::memcpy(&bits, bytes, sizeof bits);
-  return bits;
-}
 
 /// Lanes below 0 of one part.
 HWY_INLINE std::uint32_t sign_bits(Vector v, std::size_t part) { return mask_bits(kTag, hn::Lt(v, hn::Zero(kTag))) << (part * kLanes); }
