@@ -149,36 +149,32 @@ class Renderer {
     return color;
   }
 
-  void store(const raster::TileView& view) {
-    if (samples_ == 1)
-      store_bands(view, [](const raster::TriangleId* id, int lane) {
-        return kBackground ^ ((kBackground ^ kSurface) &
-                              (0u - static_cast<std::uint32_t>(id[lane] != raster::kNoTriangle)));
-      });
-    else
-      store_bands(view, [this](const raster::TriangleId* id, int lane) {
-        int covered = 0;
-        for (int s = 0; s < raster::kMaxSamples; ++s) covered += id[16 * s + lane] != raster::kNoTriangle;
-        return mixed_[covered];
-      });
-  }
-
   /// A band of four rows at a time, so that whole lines of memory are written at once.
-  template <class ColorOf>
-  void store_bands(const raster::TileView& view, ColorOf color_of) {
+  void store(const raster::TileView& view) {
     const auto width = static_cast<std::size_t>(viewport_.width);
+    const std::size_t stamp_size = static_cast<std::size_t>(samples_) * 16;
     for (int y = 0; y < view.height; y += raster::kStampPx) {
-      alignas(64) std::uint32_t band[raster::kStampPx][raster::kTilePx];
+      alignas(64) std::uint32_t band[raster::kMaxSamples][raster::kStampPx][raster::kTilePx];
       for (int x = 0; x < raster::kTilePx; x += raster::kStampPx) {
-        const raster::TriangleId* id = view.visibility.data() + raster::stamp_of(x, y) * samples_ * 16;
-        for (int row = 0; row < raster::kStampPx; ++row)
-          for (int column = 0; column < raster::kStampPx; ++column)
-            band[row][x + column] = color_of(id, raster::lane_of(column, row));
+        const raster::TriangleId* id = view.visibility.data() + static_cast<std::size_t>(raster::stamp_of(x, y)) * stamp_size;
+        for (int s = 0; s < samples_; ++s)
+          for (int row = 0; row < raster::kStampPx; ++row)
+            for (int column = 0; column < raster::kStampPx; column += 2)  // lanes of a quad's row are neighbours
+              std::memcpy(&band[s][row][x + column], id + 16 * s + raster::lane_of(column, row), 2 * sizeof *id);
       }
-      for (int row = 0; row < std::min(raster::kStampPx, view.height - y); ++row)
-        std::memcpy(&picture_[static_cast<std::size_t>(view.origin.y + y + row) * width +
-                              static_cast<std::size_t>(view.origin.x)],
-                    band[row], static_cast<std::size_t>(view.width) * 4);
+      for (int row = 0; row < std::min(raster::kStampPx, view.height - y); ++row) {
+        std::uint32_t* const out = &picture_[static_cast<std::size_t>(view.origin.y + y + row) * width + static_cast<std::size_t>(view.origin.x)];
+        if (samples_ == 1) {
+          for (int x = 0; x < view.width; ++x)
+            out[x] = kBackground ^ ((kBackground ^ kSurface) & (0u - static_cast<std::uint32_t>(band[0][row][x] != raster::kNoTriangle)));
+          continue;
+        }
+        for (int x = 0; x < view.width; ++x) {
+          int covered = 0;
+          for (int s = 0; s < raster::kMaxSamples; ++s) covered += band[s][row][x] != raster::kNoTriangle;
+          out[x] = mixed_[covered];
+        }
+      }
     }
   }
 

@@ -92,7 +92,7 @@ class ChunkBuilder {
   void bin_new_records() {
     counters_.binned += out_.count - binned_;
     for (; binned_ < out_.count; ++binned_) {
-      const TileBounds& b = out_.bounds[binned_];
+      const TileBounds b = out_.bounds[binned_];
       const SetupTriangle& t = out_.records[binned_];
       if (b.x0 == b.x1 && b.y0 == b.y1) [[likely]]
         enter(binned_, t.z_min, b.y0 * tiles_x_ + b.x0);

@@ -82,25 +82,38 @@ struct OpaqueStamps {
     count_writes(number << 4, written);
   }
 
-  /// Returns the number of samples written.
+  /// Returns the number of samples written, or more (it decides when maxima are recomputed, nothing else).
   template <bool kAll>
   HWY_INLINE std::uint32_t draw(int stamp, const Covered& covered, std::uint64_t plane) {
     auto* stored = reinterpret_cast<std::int32_t*>(tile.depth) + stamp * 16 * kSamples;
     auto* visible = reinterpret_cast<std::int32_t*>(tile.visibility) + stamp * 16 * kSamples;
+    // One sample: stores cost less than branches. A stamp covered whole is written whole or, mostly, not at all: whether any
+    // lane passes is all that has to be known unless the bill wants each.
+    constexpr bool kBranch = kSamples > 1, kEachLane = !kAll || kBranch || kBill == Kind::PerPixel;
     std::uint32_t pass[kSamples], any_pass = 0;
     Vector16 z[kSamples], old[kSamples];
     Vector nearer[kSamples][kParts];  // below 0 where the sample passes: depths have 24 bits, differences do not overflow
     for (int s = 0; s < kSamples; ++s) {
       pass[s] = 0;
       const std::uint32_t anchor = depth.anchor(plane, s);
+      Vector any = hn::Zero(kTag);
       for (std::size_t p = 0; p < kParts; ++p) {
         z[s].part[p] = depth.at(anchor, p);
         old[s].part[p] = hn::Load(kTag, stored + s * 16 + p * kLanes);
         nearer[s][p] = hn::Sub(z[s].part[p], old[s].part[p]);
         if constexpr (!kAll) nearer[s][p] = hn::AndNot(covered.outside[s][p], nearer[s][p]);
-        pass[s] |= sign_bits(nearer[s][p], p);
+        if constexpr (kEachLane) pass[s] |= sign_bits(nearer[s][p], p);
+        else any = hn::Or(any, nearer[s][p]);
       }
+      if constexpr (!kEachLane) pass[s] = sign_bits(any, 0) != 0 ? 0xffff : 0;
       any_pass |= pass[s];
+      if constexpr (!kBranch) {
+        for (std::size_t p = 0; p < kParts; ++p) {
+          const Vector seen = hn::Load(kTag, visible + p * kLanes);
+          hn::Store(kAll ? hn::Min(z[s].part[p], old[s].part[p]) : hn::IfNegativeThenElse(nearer[s][p], z[s].part[p], old[s].part[p]), kTag, stored + p * kLanes);
+          hn::Store(hn::IfNegativeThenElse(nearer[s][p], id, seen), kTag, visible + p * kLanes);
+        }
+      }
     }
     if constexpr (kBill == Kind::Everything) {
       const std::uint32_t lanes = covered.any & tile.inside[stamp];
@@ -118,13 +131,12 @@ struct OpaqueStamps {
         if (any_pass != 0 || (lanes != 0 && reaches_block(stamp, z, covered, lanes))) record_bill(stamp, lanes);
       }
     }
-    // Few stamps of small triangles are covered whole and few are hidden whole: for them stores cost less than branches.
-    constexpr bool kBranch = kAll || kSamples > 1;
-    if (kBranch && any_pass == 0) return 0;
+    if constexpr (!kBranch) return static_cast<std::uint32_t>(std::popcount(any_pass));
+    if (any_pass == 0) return 0;
     std::uint32_t written = 0;
     for (int s = 0; s < kSamples; ++s) {
-      if (kSamples > 1 && pass[s] == 0) continue;
-      if (kBranch && pass[s] == 0xffff) {
+      if (pass[s] == 0) continue;
+      if (pass[s] == 0xffff) {
         for (std::size_t p = 0; p < kParts; ++p) {
           hn::Store(z[s].part[p], kTag, stored + s * 16 + p * kLanes);
           hn::Store(id, kTag, visible + s * 16 + p * kLanes);

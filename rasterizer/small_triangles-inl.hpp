@@ -40,19 +40,29 @@ constexpr Quotient kQuotient;
 constexpr hn::Rebind<std::int32_t, Quotient> kNumerator;
 constexpr std::size_t kQuotientLanes = hn::MaxLanes(Quotient());
 
-/// Up to 8 consecutive records of a tile. Bit i of a mask, element i of an array: record i. Pixels are tile-relative.
+/// What drawing a record needs, ready to be broadcast. Pixels are tile-relative.
+struct alignas(16) SmallRecord {
+  std::int32_t c[3];                          // edge values at the first pixel of the first stamp (single: of the pixel)
+  std::int32_t z_max;
+  std::int32_t best[3];                       // what each edge can gain within a stamp
+  std::int32_t z4;
+  std::int32_t step_x0, step_y0, step_x1, step_y1;  // edges 0 and 1, per pixel; edge 2 makes their sum 0
+  std::int32_t x0, y0, x1, y1;                // as in Walk
+  std::int32_t to_x, to_y;                    // from corner 0 to the centre of the first stamp's first pixel, sub
+  std::int32_t unused[2];
+};
+constexpr std::size_t kSmallPieces = sizeof(SmallRecord) / 16;
+
+/// Up to 8 consecutive records of a tile. Bit i of a mask, element i of an array: record i.
 struct alignas(64) SmallGroup {
   const SetupTriangle* record[kSmallGroup];
   std::uint32_t large;   // not small: looked at no further
   std::uint32_t live;    // to be drawn: large, or with pixels in the tile and not hidden
-  std::uint32_t single;  // bounds of one pixel: c is its edge values
+  std::uint32_t single;  // bounds of one pixel
   std::uint32_t hidden;  // behind everything in the tile
-  std::int32_t x0[kSmallGroup], y0[kSmallGroup], x1[kSmallGroup], y1[kSmallGroup];  // as in Walk
-  std::int32_t dx[3][kSmallGroup], dy[3][kSmallGroup];
-  std::int32_t c[3][kSmallGroup];                          // at the first pixel of the first stamp
-  std::int32_t to_x[kSmallGroup], to_y[kSmallGroup];       // from corner 0 to that pixel's centre, sub
-  std::int32_t z4[kSmallGroup], dz1[kSmallGroup], dz2[kSmallGroup], z_max[kSmallGroup];
+  SmallRecord small[kSmallGroup];
   double slope_x[kSmallGroup], slope_y[kSmallGroup];       // depth_slope before truncation
+  std::int32_t dx0[kSmallGroup], dy0[kSmallGroup], dx2[kSmallGroup], dy2[kSmallGroup], dz1[kSmallGroup], dz2[kSmallGroup];
 };
 
 /// Bounds, edges and masks of kCornerLanes records from `first` on.
@@ -94,35 +104,40 @@ HWY_INLINE void prepare_edges(const TileMemory& tile, bool tile_hiz, std::size_t
   const CornerVector stamp_mask = set(~(kStampPx - 1));
   const CornerVector stamp_px = first_centre(hn::And(x0, stamp_mask), origin_x), stamp_py = first_centre(hn::And(y0, stamp_mask), origin_y);
   const CornerVector px = hn::IfThenElse(single, first_centre(x0, origin_x), stamp_px), py = hn::IfThenElse(single, first_centre(y0, origin_y), stamp_py);
-  const auto store = [first](CornerVector v, std::int32_t* array) HWY_ATTR { hn::Store(v, kCorner, array + first); };
+  CornerVector c[3], best[3], dx[3], dy[3];
   for (int k = 0; k < 3; ++k) {
     const int n = k == 2 ? 0 : k + 1;
-    const CornerVector dx = hn::Sub(x[n], x[k]), dy = hn::Sub(y[n], y[k]);
-    const CornerVector edge = hn::Sub(hn::Mul(dx, hn::Sub(py, y[k])), hn::Mul(dy, hn::Sub(px, x[k])));
-    const auto top_left = hn::Or(hn::Lt(dy, zero), hn::And(hn::Eq(dy, zero), hn::Gt(dx, zero)));
+    dx[k] = hn::Sub(x[n], x[k]);
+    dy[k] = hn::Sub(y[n], y[k]);
+    const CornerVector edge = hn::Sub(hn::Mul(dx[k], hn::Sub(py, y[k])), hn::Mul(dy[k], hn::Sub(px, x[k])));
+    const auto top_left = hn::Or(hn::Lt(dy[k], zero), hn::And(hn::Eq(dy[k], zero), hn::Gt(dx[k], zero)));
     const CornerVector biased = hn::Add(edge, hn::IfThenZeroElse(top_left, set(-1)));
-    store(dx, group.dx[k]);
-    store(dy, group.dy[k]);
-    store(hn::ShiftRight<kSubpixelBits>(biased), group.c[k]);  // floor
+    c[k] = hn::ShiftRight<kSubpixelBits>(biased);  // floor
+    const CornerVector gain = hn::Add(hn::Max(hn::Neg(dy[k]), zero), hn::Max(dx[k], zero));
+    best[k] = hn::Add(hn::Add(gain, gain), gain);
+    static_assert(kStampPx - 1 == 3);
   }
-  store(x0, group.x0);
-  store(y0, group.y0);
-  store(x1, group.x1);
-  store(y1, group.y1);
-  store(hn::Sub(stamp_px, x[0]), group.to_x);
-  store(hn::Sub(stamp_py, y[0]), group.to_y);
-  store(z4[0], group.z4);
+  const CornerVector z_most = hn::Max(hn::Max(z4[0], z4[1]), z4[2]);
+  const CornerVector z_max = hn::ShiftRight<kVertexDepthBits>(hn::Add(z_most, set(1 << (kVertexDepthBits - 1))));
+  static_assert(offsetof(SmallRecord, c) == 0 && offsetof(SmallRecord, z_max) == 12 && offsetof(SmallRecord, best) == 16 && offsetof(SmallRecord, z4) == 28 &&
+                offsetof(SmallRecord, step_x0) == 32 && offsetof(SmallRecord, x0) == 48 && offsetof(SmallRecord, to_x) == 64);
+  const PieceRows<kSmallPieces> rows({c[0], c[1], c[2], z_max, best[0], best[1], best[2], z4[0], hn::Neg(dy[0]), dx[0], hn::Neg(dy[1]), dx[1],
+                                      x0, y0, x1, y1, hn::Sub(stamp_px, x[0]), hn::Sub(stamp_py, y[0]), zero, zero});
+  for (std::size_t lane = 0; lane < kCornerLanes; ++lane) rows.store(lane, reinterpret_cast<std::int32_t*>(group.small + first + lane));
+  const auto store = [first](CornerVector v, std::int32_t* array) HWY_ATTR { hn::Store(v, kCorner, array + first); };
+  store(dx[0], group.dx0);
+  store(dy[0], group.dy0);
+  store(dx[2], group.dx2);
+  store(dy[2], group.dy2);
   store(hn::Sub(z4[1], z4[0]), group.dz1);
   store(hn::Sub(z4[2], z4[0]), group.dz2);
-  const CornerVector most = hn::Max(hn::Max(z4[0], z4[1]), z4[2]);
-  store(hn::ShiftRight<kVertexDepthBits>(hn::Add(most, set(1 << (kVertexDepthBits - 1)))), group.z_max);
 }
 
 /// Depth slopes (depth_slope of canonical.hpp, the same operations) of kQuotientLanes records from `first` on.
 HWY_INLINE void prepare_slopes(std::size_t first, SmallGroup& group) {
   const auto get = [first](const std::int32_t* array) HWY_ATTR { return hn::PromoteTo(kQuotient, hn::Load(kNumerator, array + first)); };
   // Corners 1 and 2 from corner 0: edge 0, and edge 2 backwards.
-  const auto x1 = get(group.dx[0]), y1 = get(group.dy[0]), back_x2 = get(group.dx[2]), back_y2 = get(group.dy[2]);
+  const auto x1 = get(group.dx0), y1 = get(group.dy0), back_x2 = get(group.dx2), back_y2 = get(group.dy2);
   const auto z1 = get(group.dz1), z2 = get(group.dz2);
   const auto area2 = hn::Sub(hn::Mul(back_x2, y1), hn::Mul(x1, back_y2));
   const auto down_x = hn::Add(hn::Mul(z1, back_y2), hn::Mul(z2, y1)), down_y = hn::Add(hn::Mul(z2, x1), hn::Mul(z1, back_x2));
@@ -152,40 +167,47 @@ HWY_INLINE void prepare_group(TileMemory& tile, const SetupTriangle* records, st
 }
 
 HWY_INLINE DepthSteps steps_of(const SmallGroup& group, std::size_t i) {
-  return depth_steps(static_cast<std::int64_t>(group.slope_x[i]), static_cast<std::int64_t>(group.slope_y[i]), group.z4[i], group.to_x[i],
-                     group.to_y[i], group.record[i]->z_min, static_cast<std::uint32_t>(group.z_max[i]));
+  const SmallRecord& t = group.small[i];
+  return depth_steps(static_cast<std::int64_t>(group.slope_x[i]), static_cast<std::int64_t>(group.slope_y[i]), t.z4, t.to_x, t.to_y,
+                     group.record[i]->z_min, static_cast<std::uint32_t>(t.z_max));
 }
 
 /// A record of one pixel.
 template <BillRule::Kind kBill>
 HWY_INLINE void draw_single(TileMemory& tile, const SmallGroup& group, std::size_t i, const KernelOptions& options, BillBuffer& bill) {
-  if ((group.c[0][i] | group.c[1][i] | group.c[2][i]) < 0) return;
-  draw_single_pixel<kBill>(tile, *group.record[i], steps_of(group, i), group.x0[i], group.y0[i], options, bill);
+  const SmallRecord& t = group.small[i];
+  if ((t.c[0] | t.c[1] | t.c[2]) < 0) return;
+  draw_single_pixel<kBill>(tile, *group.record[i], steps_of(group, i), t.x0, t.y0, options, bill);
 }
 
-// Stamps of a 4x4 square of them that lie in its first columns and rows, as lanes.
-struct StampSquares {
+// Of a 4x4 square of stamps, as lanes: those in its first columns and rows, and each one's first pixel.
+struct StampSquare {
   std::uint16_t columns[4], rows[4];
+  std::int64_t x[16], y[16];
 };
-constexpr StampSquares make_stamp_squares() {
-  StampSquares squares{};
-  for (int lane = 0; lane < 16; ++lane)
+constexpr StampSquare make_stamp_square() {
+  StampSquare square{};
+  for (int lane = 0; lane < 16; ++lane) {
     for (int n = 0; n < 4; ++n) {
-      if (lane_x(lane) <= n) squares.columns[n] |= static_cast<std::uint16_t>(1u << lane);
-      if (lane_y(lane) <= n) squares.rows[n] |= static_cast<std::uint16_t>(1u << lane);
+      if (lane_x(lane) <= n) square.columns[n] |= static_cast<std::uint16_t>(1u << lane);
+      if (lane_y(lane) <= n) square.rows[n] |= static_cast<std::uint16_t>(1u << lane);
     }
-  return squares;
+    square.x[lane] = kStampPx * lane_x(lane);
+    square.y[lane] = kStampPx * lane_y(lane);
+  }
+  return square;
 }
-constexpr StampSquares kStampSquares = make_stamp_squares();
+constexpr StampSquare kStampSquare = make_stamp_square();
 
 /// A record of several pixels in up to 4x4 stamps.
 template <BillRule::Kind kBill>
 HWY_INLINE void draw_stamps(TileMemory& tile, const SmallGroup& group, std::size_t i, const KernelOptions& options, BillBuffer& bill,
                             std::uint64_t& hidden_blocks) {
-  const int x0 = group.x0[i], y0 = group.y0[i], x1 = group.x1[i], y1 = group.y1[i];
+  const SmallRecord& t = group.small[i];
   const SetupTriangle& record = *group.record[i];
-  if (options.block_hiz && ((x0 ^ x1) | (y0 ^ y1)) < kBlockPx) {
-    const int block = stamp_at(x0, y0) >> 4;
+  const int first_stamp = stamp_at(t.x0, t.y0);
+  if (options.block_hiz && ((t.x0 ^ t.x1) | (t.y0 ^ t.y1)) < kBlockPx) {
+    const int block = first_stamp >> 4;
     refresh_block<1>(tile, block, record.z_min);
     if (static_cast<std::int32_t>(record.z_min) >= tile.block_max[block]) {
       ++hidden_blocks;
@@ -194,36 +216,33 @@ HWY_INLINE void draw_stamps(TileMemory& tile, const SmallGroup& group, std::size
   }
   const DepthSteps steps = steps_of(group, i);
   OpaqueStamps<1, kBill> emit(tile, record, steps, options, bill);
-  Vector16 lanes[3];
-  for (std::size_t k = 0; k < 2; ++k) lanes[k] = lane_plane(-group.dy[k][i], group.dx[k][i]);
-  for (std::size_t p = 0; p < kParts; ++p) lanes[2].part[p] = hn::Neg(hn::Add(lanes[0].part[p], lanes[1].part[p]));  // the edges' sum is 0
-  const int columns = (x1 >> 2) - (x0 >> 2), rows = (y1 >> 2) - (y0 >> 2);
+  Vector16 lanes[3] = {lane_plane(t.step_x0, t.step_y0), lane_plane(t.step_x1, t.step_y1), {}};
+  for (std::size_t p = 0; p < kParts; ++p) lanes[2].part[p] = hn::Neg(hn::Add(lanes[0].part[p], lanes[1].part[p]));
+  const int columns = (t.x1 >> 2) - (t.x0 >> 2), rows = (t.y1 >> 2) - (t.y0 >> 2);
+  Coverage<1> covered;
   if ((columns | rows) == 0) {
-    Coverage<1> covered;
-    cover(covered, hn::Set(kTag, group.c[0][i]), hn::Set(kTag, group.c[1][i]), hn::Set(kTag, group.c[2][i]), lanes);
-    if (covered.any != 0) emit.some(stamp_at(x0, y0), covered, steps.origin);
+    cover(covered, hn::Set(kTag, t.c[0]), hn::Set(kTag, t.c[1]), hn::Set(kTag, t.c[2]), lanes);
+    if (covered.any != 0) emit.some(first_stamp, covered, steps.origin);
     return;
   }
-  // One stamp a lane: those where all edges have a pixel inside, each on its own.
+  // One stamp a lane: those where each edge has a pixel inside.
   alignas(64) std::int32_t corner[3][16];  // edge values at the stamps' first pixels
   std::uint32_t rejected = 0;
   for (std::size_t p = 0; p < kParts; ++p) {
     Vector any_best = hn::Zero(kTag);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vector at = hn::Add(hn::ShiftLeft<2>(lanes[k].part[p]), hn::Set(kTag, group.c[k][i]));
-      const std::int32_t best = std::max(-group.dy[k][i], 0) + std::max(group.dx[k][i], 0);
+      const Vector at = hn::Add(hn::ShiftLeft<2>(lanes[k].part[p]), hn::Set(kTag, t.c[k]));
       hn::Store(at, kTag, corner[k] + p * kLanes);
-      any_best = hn::Or(any_best, hn::Add(at, hn::Set(kTag, best * (kStampPx - 1))));
+      any_best = hn::Or(any_best, hn::Add(at, hn::Set(kTag, t.best[k])));
     }
     rejected |= sign_bits(any_best, p);
   }
-  std::uint32_t left = ~rejected & kStampSquares.columns[columns] & kStampSquares.rows[rows];
-  const int x = x0 & ~(kStampPx - 1), y = y0 & ~(kStampPx - 1);
-  for (; left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left), sx = kStampPx * lane_x(lane), sy = kStampPx * lane_y(lane);
-    Coverage<1> covered;
+  for (std::uint32_t left = ~rejected & kStampSquare.columns[columns] & kStampSquare.rows[rows]; left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
     cover(covered, hn::Set(kTag, corner[0][lane]), hn::Set(kTag, corner[1][lane]), hn::Set(kTag, corner[2][lane]), lanes);
-    if (covered.any != 0) emit.some(stamp_at(x + sx, y + sy), covered, centre_plane(steps, sx, sy));
+    if (covered.any == 0) continue;
+    emit.some(stamp_beyond(first_stamp, lane), covered,
+              steps.origin + steps.px_x * static_cast<std::uint64_t>(kStampSquare.x[lane]) + steps.px_y * static_cast<std::uint64_t>(kStampSquare.y[lane]));
   }
 }
 

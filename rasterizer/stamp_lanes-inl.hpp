@@ -74,6 +74,13 @@ HWY_INLINE void cover(Coverage<1>& coverage, Vector a, Vector b, Vector c, const
   coverage.any = coverage.bits[0] = ~outside & 0xffffu;
 }
 
+/// The stamp `lane` (x = lane_x, y = lane_y stamps) further right and down. Both numbers interleave x and y bits alike, so each is
+/// added with carries passed through the other's bits.
+HWY_INLINE int stamp_beyond(int stamp, int lane) {
+  constexpr int kX = 0x55, kY = 0xaa;
+  return (((stamp | kY) + (lane & kX)) & kX) | (((stamp | kX) + (lane & kY)) & kY);
+}
+
 /// Maximum over `count` consecutive groups of 16.
 HWY_INLINE std::uint32_t max_of_depths(const std::uint32_t* depth, int count) {
   Vector most = hn::Zero(kTag);
