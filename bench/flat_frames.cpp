@@ -164,12 +164,13 @@ class Renderer {
       }
       for (int row = 0; row < std::min(raster::kStampPx, view.height - y); ++row) {
         std::uint32_t* const out = &picture_[static_cast<std::size_t>(view.origin.y + y + row) * width + static_cast<std::size_t>(view.origin.x)];
+        const int visible = view.width;  // a copy: what is stored might alias the original
         if (samples_ == 1) {
-          for (int x = 0; x < view.width; ++x)
+          for (int x = 0; x < visible; ++x)
             out[x] = kBackground ^ ((kBackground ^ kSurface) & (0u - static_cast<std::uint32_t>(band[0][row][x] != raster::kNoTriangle)));
           continue;
         }
-        for (int x = 0; x < view.width; ++x) {
+        for (int x = 0; x < visible; ++x) {
           int covered = 0;
           for (int s = 0; s < raster::kMaxSamples; ++s) covered += band[s][row][x] != raster::kNoTriangle;
           out[x] = mixed_[covered];
