@@ -113,7 +113,7 @@ class Renderer {
     while (tiles_.size() < static_cast<std::size_t>(parallel.workers))
       tiles_.emplace_back(frame_, raster::TileOptions{});
     const auto order = frame_.tile_order();
-    if (order.size() != static_cast<std::size_t>(viewport_.tile_count()))
+    if (frame_.empty_tiles() != 0)
       std::fill(picture_.begin(), picture_.end(), kBackground);
     parallel.run(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int worker) {
       raster::TileRasterizer& tile = tiles_[static_cast<std::size_t>(worker)];

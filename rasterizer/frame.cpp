@@ -104,14 +104,34 @@ void Frame::set_up(const FrameInput& input, const ParallelFor& parallel) {
   });
   sort_runs();
 
-  tile_order_.clear();
-  std::vector<std::uint32_t> cost(static_cast<std::size_t>(viewport_.tile_count()));
-  for (std::uint32_t tile = 0; tile < cost.size(); ++tile) {
-    for (const RecordRun& run : tile_runs(static_cast<int>(tile))) cost[tile] += static_cast<std::uint32_t>(run.records.size());
-    if (cost[tile] != 0 || !input.skips.on(Skip::EmptyTiles)) tile_order_.push_back(tile);
+  order_tiles(input.skips.on(Skip::EmptyTiles));
+}
+
+void Frame::order_tiles(bool skip_empty) {
+  struct Task {
+    std::uint32_t number;
+    std::uint64_t cost;  // records, which predict the time of small triangles well and that of large ones badly
+  };
+  std::vector<Task> tasks;
+  empty_tiles_ = 0;
+  for (int tile = 0; tile < viewport_.tile_count(); ++tile) {
+    std::uint64_t cost = 0;
+    for (const RecordRun& run : tile_runs(tile)) cost += run.records.size();
+    if (cost == 0 && skip_empty) {
+      ++empty_tiles_;
+    } else if (cost > kHotTileEntries && cost > counters_.bin_entries / kHotTileShare) {
+      for (int quarter = 0; quarter < 4; ++quarter) {
+        const int number = quarter_task(viewport_, tile, quarter);
+        const TileOrigin origin = tile_task(viewport_, number).origin;
+        if (origin.x < viewport_.width && origin.y < viewport_.height) tasks.push_back({static_cast<std::uint32_t>(number), cost / 4});
+      }
+    } else {
+      tasks.push_back({static_cast<std::uint32_t>(tile), cost});
+    }
   }
-  std::stable_sort(tile_order_.begin(), tile_order_.end(),
-                   [&cost](std::uint32_t a, std::uint32_t b) { return cost[a] > cost[b]; });
+  std::stable_sort(tasks.begin(), tasks.end(), [](const Task& a, const Task& b) { return a.cost > b.cost; });
+  tile_order_.clear();
+  for (const Task& task : tasks) tile_order_.push_back(task.number);
 }
 
 /// Transposes "per chunk, the tiles it touches" into "per tile, the chunks that touch it, in order".

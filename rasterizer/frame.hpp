@@ -69,8 +69,11 @@ class Frame {
   /// Records of a tile in submission order, as runs (at most one per chunk).
   std::span<const RecordRun> tile_runs(int tile) const;
   bool tile_is_empty(int tile) const { return tile_runs(tile).empty(); }
-  /// All tiles (Skip::EmptyTiles off) or the ones with triangles, costly ones first: hand them out in this order.
+  /// What TileRasterizer::begin takes: all tiles (Skip::EmptyTiles off) or the ones with triangles, hot ones in quarters
+  /// (viewport.hpp); costly ones first: hand them out in this order.
   std::span<const std::uint32_t> tile_order() const { return tile_order_; }
+  /// Tiles that are not in tile_order().
+  int empty_tiles() const { return empty_tiles_; }
 
   TriangleInfo triangle(TriangleId id) const;
   /// Draw of a triangle: cheaper than triangle(id).draw.
@@ -79,6 +82,7 @@ class Frame {
  private:
   struct Storage;
   void sort_runs();
+  void order_tiles(bool skip_empty);
   std::uint32_t sequence_of(TriangleId id) const;
 
   Viewport viewport_;
@@ -91,6 +95,7 @@ class Frame {
   std::vector<RecordRun> runs_;
   std::vector<std::uint32_t> run_start_;   // per tile, into runs_, plus the total
   std::vector<std::uint32_t> tile_order_;
+  int empty_tiles_ = 0;
   std::unique_ptr<Storage> storage_;
 };
 

@@ -22,7 +22,7 @@ namespace aluminate::raster::HWY_NAMESPACE {
 constexpr std::uint32_t kTileWorthRefreshing = 1024;  // pixels written
 template <int kSamples>
 HWY_INLINE void refresh_tile(TileMemory& tile, std::uint32_t z_min) {
-  if (tile.tile_writes < kTileWorthRefreshing * kSamples || z_min < tile.depth[kTilePixels * kSamples / 2]) return;
+  if (tile.tile_writes < kTileWorthRefreshing * kSamples || z_min < tile.depth[tile.middle]) return;
   std::uint32_t most = 0;
   for (int block = 0; block < 16; ++block) {
     if (tile.block_writes[block] != 0) {

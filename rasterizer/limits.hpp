@@ -47,6 +47,12 @@ static_assert(24 + kVertexDepthBits + 23 + 1 <= 53);
 static_assert(24 + kPlaneBits + 1 <= 63);
 static_assert(24 + kStampDepthBits <= 31, "with 7 fraction bits a covered pixel's depth is a positive int32");
 
+// A tile with more than this share of the frame's (triangle, tile) pairs, and more than this number, is drawn in quarters: 4 for
+// each of 8 threads, so that no task is much longer than a thread's part on machines several times that size. The rule looks
+// at the frame alone: counters depend on it and must not depend on threads.
+inline constexpr std::uint64_t kHotTileShare = 32, kHotTileEntries = 2048;
+static_assert(kMaxViewportPx / kTilePx * (kMaxViewportPx / kTilePx) <= INT32_MAX / 5, "numbers of tasks fit an int");
+
 // Submission. A chunk is the unit of set-up; its size does not depend on the number of threads, so nothing else does.
 inline constexpr std::uint32_t kChunkTriangles = 1024;
 // A triangle cut by near, far and 4 guard planes has at most 3 + 6 corners, hence at most 7 fragments.

@@ -98,6 +98,8 @@ HWY_INLINE void prepare_edges(const TileMemory& tile, bool tile_hiz, std::size_t
   group.hidden |= (behind_bits & ~large_bits & drawn_bits) << first;
   group.live |= (drawn_bits & (large_bits | ~(behind_bits | corner_bits(outside)))) << first;
 
+  if ((group.live >> first & kAllCorners) == 0) return;
+
   const auto first_centre = [&](CornerVector px, CornerVector origin) HWY_ATTR {
     return hn::Add(hn::ShiftLeft<kSubpixelBits>(hn::Add(px, origin)), set(kHalfPixel));
   };

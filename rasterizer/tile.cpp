@@ -68,24 +68,29 @@ TileRasterizer::TileRasterizer(const Frame& frame, const TileOptions& options) :
 TileRasterizer::~TileRasterizer() = default;
 TileRasterizer::TileRasterizer(TileRasterizer&&) noexcept = default;
 
-void TileRasterizer::begin(int tile_number) {
+void TileRasterizer::begin(int number) {
   State& s = *state_;
   TileMemory& tile = s.tile;
   const Viewport& viewport = s.frame.viewport();
-  tile.origin = tile_origin(viewport, tile_number);
-  tile.width = std::min(kTilePx, viewport.width - tile.origin.x);
-  tile.height = std::min(kTilePx, viewport.height - tile.origin.y);
+  const TileTask task = tile_task(viewport, number);
+  tile.origin = task.origin;
+  tile.width = std::min(task.size_px, viewport.width - tile.origin.x);
+  tile.height = std::min(task.size_px, viewport.height - tile.origin.y);
   const int samples = s.frame.samples();
   clear_tile(tile, samples);
-  std::fill_n(tile.inside, kStampsPerTile, std::uint16_t{0xffff});
-  if (tile.width < kTilePx || tile.height < kTilePx) {
-    for (int y = 0; y < kTilePx; ++y)
-      for (int x = y < tile.height ? tile.width : 0; x < kTilePx; ++x) {
+  const int stamps = task.size_px * task.size_px / (kStampPx * kStampPx), blocks = stamps / 16;
+  std::fill_n(tile.inside, kStampsPerTile, std::uint16_t{0});
+  std::fill_n(tile.inside, stamps, std::uint16_t{0xffff});
+  if (tile.width < task.size_px || tile.height < task.size_px) {
+    for (int y = 0; y < task.size_px; ++y)
+      for (int x = y < tile.height ? tile.width : 0; x < task.size_px; ++x) {
         for (int sample = 0; sample < samples; ++sample) tile.depth[(stamp_of(x, y) * samples + sample) * 16 + lane_of(x, y)] = 0;
         tile.inside[stamp_of(x, y)] &= static_cast<std::uint16_t>(~(1u << lane_of(x, y)));
       }
   }
-  std::fill_n(tile.block_max, 16, static_cast<std::int32_t>(kDepthMax));
+  std::fill_n(tile.block_max, 16, 0);
+  std::fill_n(tile.block_max, blocks, static_cast<std::int32_t>(kDepthMax));
+  tile.middle = stamps / 2 * 16 * samples;
   std::fill_n(tile.block_writes, 16, 0u);
   tile.tile_max = kDepthMax;
   tile.tile_writes = 0;
@@ -93,7 +98,7 @@ void TileRasterizer::begin(int tile_number) {
   const std::span<const Draw> draws = s.frame.draws();
   s.first_in_order = static_cast<std::uint32_t>(
       std::find_if(draws.begin(), draws.end(), [](const Draw& d) { return d.draw_class == DrawClass::InOrder; }) - draws.begin());
-  s.runs = s.frame.tile_runs(tile_number);
+  s.runs = s.frame.tile_runs(task.tile);
   s.run = s.record = 0;
 }
 

@@ -25,7 +25,7 @@ struct TileOptions {
 /// viewport are never covered: visibility kNoTriangle; their depth is meaningless.
 struct TileView {
   TileOrigin origin{};
-  int width = 0, height = 0;                   // pixels inside the viewport, 1 .. 64
+  int width = 0, height = 0;                   // pixels inside the viewport, 1 .. 64 (of a quarter 1 .. 32)
   int samples = 1;                             // per pixel
   std::span<const TriangleId> visibility;      // kTilePixels * samples
   std::span<const std::uint32_t> depth;        // D24, cleared to kDepthMax
@@ -68,8 +68,8 @@ class TileRasterizer {
   ~TileRasterizer();
   TileRasterizer(TileRasterizer&&) noexcept;
 
-  /// Clears the tile's depth to kDepthMax and its visibility to kNoTriangle.
-  void begin(int tile);
+  /// task: from Frame::tile_order, or any tile. Clears depth to kDepthMax and visibility to kNoTriangle.
+  void begin(int task);
   /// All Opaque draws. bill may be null (then no bill is made, as with Kind::Off); the same for draw_in_order.
   void draw_opaque(BillSink* bill);
   /// All InOrder draws, after draw_opaque. Each sample sees its triangles in submission order; quads of different triangles

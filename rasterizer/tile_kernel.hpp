@@ -41,6 +41,7 @@ struct alignas(64) TileMemory {
   std::uint32_t tile_writes = 0;           // since tile_max was computed
   TileOrigin origin;
   int width = 0, height = 0;               // pixels inside the viewport
+  int middle = 0;                          // element whose depth stands for the tile's when a refresh is considered
 };
 
 struct KernelOptions {

@@ -144,7 +144,7 @@ Frame Renderer::draw(Frame recycled) {
       {"occluded", tile_counters.occluded},
       {"mesh_bounds", setup.outside},
       {"early_z", tile_counters.early_z},
-      {"empty_tiles", static_cast<std::uint64_t>(raster_frame.viewport().tile_count()) - order.size()},
+      {"empty_tiles", static_cast<std::uint64_t>(raster_frame.empty_tiles())},
       {"textures", scene_.images.size() - std::min(scene_.images.size(), list.textures.decoded())},
       {"tile_lights", tile_lights},
       {"shadow_casters", prepared_.shadows.skipped_casters}};

@@ -56,7 +56,7 @@ class Recorder : public BillSink, public QuadShader {
     billed_per_draw_.assign(frame.draws().size(), 0);
   }
   const std::vector<std::uint64_t>& billed_per_draw() const { return billed_per_draw_; }
-  void begin(int tile) { origin_ = tile_origin(frame_.viewport(), tile); }
+  void begin(int task) { origin_ = tile_task(frame_.viewport(), task).origin; }
 
   std::uint32_t sequence(TriangleId id) const {
     const TriangleInfo info = frame_.triangle(id);

@@ -168,6 +168,44 @@ TEST(Skips, RunsBehindEverythingAreNotRead) {
   }
 }
 
+TEST_P(Samples, AHotTileIsDrawnInQuartersAndGivesTheSamePictureAndBill) {
+  // Most of the triangles are in one corner tile that the viewport cuts; one layer covers everything.
+  Geometry g;
+  g.viewport = {150, 90};
+  g.samples = GetParam();
+  std::mt19937 random(7);
+  const auto real = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
+  const auto soup = [&](int count, double x, double y, double width, double height, double size) {
+    for (int i = 0; i < count; ++i) {
+      const double cx = x + real(0, width), cy = y + real(0, height), depth = real(0.1, 0.9);
+      std::uint32_t v[3];
+      for (std::uint32_t& corner : v) corner = g.add_pixel_vertex(cx + real(-size, size), cy + real(-size, size), depth + real(0, 0.05), real(0.5, 2));
+      g.add_triangle(v[0], v[1], v[2]);
+    }
+  };
+  soup(3000, 66, 66, 62, 24, 5);
+  soup(20, 0, 0, 150, 90, 60);
+  g.end_draw(CullMode::None);
+  soup(300, 60, 60, 80, 30, 12);
+  g.end_draw(CullMode::None, DrawClass::InOrder, true);
+  for (const BillRule& rule : kRules) {
+    const Picture expected = draw_expected(g, rule);
+    CandidateOptions options;
+    options.bill = rule;
+    EXPECT_EQ(difference(draw_candidate(g, options), expected), "") << static_cast<int>(rule.kind);
+    options.skips = SkipSet::none();
+    EXPECT_EQ(difference(draw_candidate(g, options), expected), "") << static_cast<int>(rule.kind) << " no skips";
+  }
+  Frame frame;
+  frame.set_up(g.input(), serial());
+  std::vector<int> quarters;
+  for (const std::uint32_t number : frame.tile_order())
+    if (number >= static_cast<std::uint32_t>(g.viewport.tile_count())) quarters.push_back(static_cast<int>(number));
+  std::sort(quarters.begin(), quarters.end());
+  EXPECT_EQ(quarters, (std::vector<int>{quarter_task(g.viewport, 4, 0), quarter_task(g.viewport, 4, 1)}));  // 26 px high: no lower quarters
+  EXPECT_EQ(frame.tile_order().size() + static_cast<std::size_t>(frame.empty_tiles()), 7u);
+}
+
 TEST(Bill, NoSinkMeansNoBillAndTheSamePicture) {
   const Geometry g = busy_frame();
   Picture expected = draw_expected(g, {BillRule::Kind::Off, 4});

@@ -7,8 +7,10 @@
 #include <random>
 
 #include "platform/host/error.hpp"
+#include "rasterizer/canonical.hpp"
 #include "rasterizer/clip.hpp"
 #include "rasterizer/quads.hpp"
+#include "rasterizer/triangle_setup.hpp"
 #include "rasterizer/vector_target.hpp"
 #include "tests/rasterizer/candidate.hpp"
 
@@ -109,6 +111,96 @@ TEST(SetUp, VectorProjectionIsTheScalarOneBitForBit) {
     }
   }
   use_vector_target("");
+}
+
+TEST(SetUp, EightAtOnceAreTheScalarDefinition) {
+  // Positions with many ties: equal corners, zero areas, shared rows and columns, one-pixel and empty bounds, guard band.
+  std::mt19937 random(5);
+  std::vector<ScreenVertex> vertices;
+  for (int i = 0; i < 4000; ++i) {
+    const int span = i % 4 == 0 ? 6 : i % 4 == 1 ? 700 : i % 4 == 2 ? 60 * kSubpixels : 2 * kGuardBandSub;
+    const auto at = [&] { return static_cast<std::int32_t>(random() % static_cast<unsigned>(span + 1)) + (i % 4 == 3 ? -kGuardBandSub : 100 * kSubpixels); };
+    const std::uint32_t flags = i % 50 == 0 ? kLeft : i % 211 == 0 ? kNonFinite : i % 333 == 0 ? kCut | kNear : 0;
+    vertices.push_back({at(), at(), static_cast<std::int32_t>(random() & ((kDepthMax << kVertexDepthBits) | 15)), flags});
+  }
+  std::vector<std::uint32_t> indices;
+  for (int i = 0; i < 3 * 5003; ++i) {
+    const auto group = static_cast<std::uint32_t>(i / 3 % 4);  // the corners of one are of one kind
+    indices.push_back(i % 17 == 1 ? indices.back() : static_cast<std::uint32_t>(random() % 1000) * 4 + group);
+  }
+  for (const std::string& unit : vector_targets()) {
+    use_vector_target(unit);
+    for (const CullMode mode : {CullMode::None, CullMode::Back, CullMode::Front})
+      for (const int samples : {1, 4})
+        for (const bool skips : {true, false}) {
+          SetupRule rule{mode, skips, skips, skips, 200, 170, samples};
+          const TriangleRange range{vertices.data(), indices.data(), 5003, 77, 9};
+          std::vector<SetupTriangle> records(range.count + kSetupSlack);
+          std::vector<TileBounds> bounds(records.size());
+          SetupOutput out{records.data(), bounds.data(), 0};
+          SetupCounters counters, expected;
+          std::uint32_t kept = 0, cuts = 0;
+          std::vector<std::uint32_t> stops;
+          for (std::uint32_t next = 0; (next = set_up_triangles(range, next, rule, out, counters)) < range.count; ++next) stops.push_back(next);
+          for (std::uint32_t t = 0; t < range.count; ++t) {
+            const ScreenVertex *v[3] = {&vertices[indices[3 * t]], &vertices[indices[3 * t + 1]], &vertices[indices[3 * t + 2]]};
+            const std::uint32_t any = v[0]->flags | v[1]->flags | v[2]->flags, all = v[0]->flags & v[1]->flags & v[2]->flags;
+            if (any & kNonFinite) { ++expected.dropped_nonfinite; continue; }
+            if (skips && (all & kSides) != 0) { ++expected.frustum; continue; }
+            if (any & kCut) { ASSERT_LT(cuts, stops.size()); ASSERT_EQ(stops[cuts++], t) << unit; continue; }
+            const CanonicalOrder order = canonical_order(*v[0], *v[1], *v[2]);
+            if (order.area2 == 0) { ++expected.degenerate; continue; }
+            const bool culled = (mode == CullMode::Back && !order.front_facing) || (mode == CullMode::Front && order.front_facing);
+            if (culled && skips) { ++expected.facing; continue; }
+            SetupTriangle triangle;
+            fill_corners(*v[order.corner[0]], *v[order.corner[1]], *v[order.corner[2]], triangle);
+            const auto [left, right] = std::minmax({v[0]->x, v[1]->x, v[2]->x});
+            const auto [top, bottom] = std::minmax({v[0]->y, v[1]->y, v[2]->y});
+            int x0 = samples == 1 ? first_pixel<1>(left) : first_pixel<4>(left), x1 = samples == 1 ? last_pixel<1>(right) : last_pixel<4>(right);
+            int y0 = samples == 1 ? first_pixel<1>(top) : first_pixel<4>(top), y1 = samples == 1 ? last_pixel<1>(bottom) : last_pixel<4>(bottom);
+            if (skips && (x0 > x1 || y0 > y1)) { ++expected.small; continue; }
+            x1 = std::max(x0, x1), y1 = std::max(y0, y1);
+            const bool single = x0 == x1 && y0 == y1;
+            x0 = std::max(x0, 0), y0 = std::max(y0, 0), x1 = std::min(x1, 199), y1 = std::min(y1, 169);
+            if (x0 > x1 || y0 > y1) { ++expected.frustum; continue; }
+            if (skips && single && !(samples == 1 ? covers_pixel<1>(triangle, x0, y0) : covers_pixel<4>(triangle, x0, y0))) { ++expected.small; continue; }
+            ASSERT_LT(kept, out.count);
+            const SetupTriangle& got = records[kept];
+            ASSERT_EQ(std::memcmp(&got, &triangle, offsetof(SetupTriangle, id)), 0) << unit << " triangle " << t;
+            ASSERT_EQ(got.id, 77 + t);
+            ASSERT_EQ(got.draw(), 9u);
+            ASSERT_EQ(got.culled(), culled);
+            ASSERT_EQ(bounds[kept].x0, x0 / kTilePx);
+            ASSERT_EQ(bounds[kept].x1, x1 / kTilePx);
+            ASSERT_EQ(bounds[kept].y0, y0 / kTilePx);
+            ASSERT_EQ(bounds[kept].y1, y1 / kTilePx);
+            ++kept;
+          }
+          EXPECT_EQ(kept, out.count);
+          EXPECT_EQ(cuts, stops.size());
+          EXPECT_EQ(counters, expected) << unit << " " << samples << " samples";
+          EXPECT_GT(kept, 500u);
+          EXPECT_GT(cuts, 5u);
+          EXPECT_GT(expected.degenerate, 50u);
+        }
+  }
+  use_vector_target("");
+}
+
+TEST(SetUp, ASurfaceOnTheFarPlaneIsNotSeen) {
+  // LESS against a depth buffer cleared to the far plane, as in Direct3D and OpenGL; one step before it is.
+  for (const bool before : {false, true}) {
+    Geometry g;
+    g.viewport = {64, 64};
+    const double depth = before ? 1 - 0x1p-24 : 1;
+    const std::uint32_t a = g.add_pixel_vertex(-1, -1, depth), b = g.add_pixel_vertex(150, -1, depth), c = g.add_pixel_vertex(-1, 150, depth);
+    g.add_triangle(a, b, c);
+    g.end_draw(CullMode::None);
+    const Picture picture = draw_candidate(g, {});
+    EXPECT_EQ(difference(picture, draw_expected(g, {})), "");
+    for (const std::uint32_t id : picture.planes.visibility) ASSERT_EQ(id, before ? 0u : kNoTriangle);
+    for (const std::uint32_t z : picture.planes.depth) ASSERT_EQ(z, before ? kDepthMax - 1 : kDepthMax);
+  }
 }
 
 TEST(SetUp, NamesWhatIsWrongWithTheInput) {
