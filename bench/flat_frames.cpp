@@ -114,7 +114,7 @@ class Renderer {
       tiles_.emplace_back(frame_, raster::TileOptions{});
     const auto order = frame_.tile_order();
     if (frame_.empty_tiles() != 0)
-      std::fill(picture_.begin(), picture_.end(), kBackground);
+      parallel.run(viewport_.tiles_y(), [&](std::int64_t row, int) { clear_empty_tiles(static_cast<int>(row)); });
     parallel.run(static_cast<std::int64_t>(order.size()), [&](std::int64_t i, int worker) {
       raster::TileRasterizer& tile = tiles_[static_cast<std::size_t>(worker)];
       tile.begin(static_cast<int>(order[static_cast<std::size_t>(i)]));
@@ -133,6 +133,17 @@ class Renderer {
       y_[i] = m[0][1] * px + m[1][1] * py + m[2][1] * pz + m[3][1];
       z_[i] = m[0][2] * px + m[1][2] * py + m[2][2] * pz + m[3][2];
       w_[i] = m[0][3] * px + m[1][3] * py + m[2][3] * pz + m[3][3];
+    }
+  }
+
+  void clear_empty_tiles(int tile_row) {
+    for (int tile = tile_row * viewport_.tiles_x(); tile < (tile_row + 1) * viewport_.tiles_x(); ++tile) {
+      if (!frame_.tile_is_empty(tile)) continue;
+      const raster::TileOrigin origin = raster::tile_origin(viewport_, tile);
+      for (int y = origin.y; y < std::min(origin.y + raster::kTilePx, viewport_.height); ++y) {
+        const auto row = picture_.begin() + std::int64_t{y} * viewport_.width;
+        std::fill(row + origin.x, row + std::min(origin.x + raster::kTilePx, viewport_.width), kBackground);
+      }
     }
   }
 
@@ -224,10 +235,12 @@ class TaskTimes {
     serial_ = std::min(serial_, now_us() - start - inside);
   }
   std::string json() const {
-    static constexpr const char* kPhases[] = {"transform", "project", "set-up chunks", "tiles"};
+    // Without empty tiles there is no background phase.
+    const bool background = tasks_.size() == 5;
+    static constexpr const char* kPhases[] = {"transform", "project", "set-up chunks", "background", "tiles"};
     std::string text = fmt::format("{{\"serial_us\":{:.1f}", serial_);
     for (std::size_t i = 0; i < tasks_.size(); ++i)
-      text += fmt::format(",\"{}\":[{:.2f}]", kPhases[i], fmt::join(tasks_[i], ","));
+      text += fmt::format(",\"{}\":[{:.2f}]", kPhases[i + (!background && i == 3)], fmt::join(tasks_[i], ","));
     return text + "}";
   }
 

@@ -19,6 +19,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 
 def run(command):
@@ -27,6 +28,53 @@ def run(command):
     if done.returncode != 0 or not lines:
         sys.exit(f"{shlex.join(command)} failed ({done.returncode}):\n{done.stdout}{done.stderr}")
     return json.loads(lines[-1])
+
+
+def noise_png(size):
+    """A grey-free RGB picture of pseudo-random texels, as the bytes of a PNG file."""
+    state, rows = 1, bytearray()
+    for _ in range(size):
+        rows.append(0)
+        for _ in range(3 * size):
+            state = (state * 1664525 + 1013904223) & 0xffffffff
+            rows.append(state >> 24)
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(bytes(rows))) + chunk(b"IEND", b""))
+
+
+def textured_file(path):
+    """A .gltf of one quad that reaches beyond the picture, with normals, tangents and a 256x256 base colour texture."""
+    corners = [(-4, -4, -1), (4, -4, -1), (4, 4, -1), (-4, 4, -1)]
+    parts = [b"".join(struct.pack("<3f", *c) for c in corners), struct.pack("<3f", 0, 0, 1) * 4, struct.pack("<4f", 1, 0, 0, 1) * 4,
+             b"".join(struct.pack("<2f", 2.0 * c[0], 2.0 * c[1]) for c in corners), struct.pack("<6H", 0, 1, 2, 0, 2, 3)]
+    views, offset = [], 0
+    for part in parts:
+        views.append({"buffer": 0, "byteOffset": offset, "byteLength": len(part)})
+        offset += len(part)
+    name = os.path.basename(path).replace(".gltf", "")
+    with open(path.replace(".gltf", ".bin"), "wb") as out:
+        out.write(b"".join(parts))
+    with open(path.replace(".gltf", ".png"), "wb") as out:
+        out.write(noise_png(256))
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0}, {"camera": 0}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.5, "zfar": 100.0}}],
+        "images": [{"uri": name + ".png"}], "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0, "roughnessFactor": 0.4}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TANGENT": 2, "TEXCOORD_0": 3}, "indices": 4, "material": 0}]}],
+        "buffers": [{"uri": name + ".bin", "byteLength": offset}], "bufferViews": views,
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-4, -4, -1], "max": [4, 4, -1]},
+                      {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3"},
+                      {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC4"},
+                      {"bufferView": 3, "componentType": 5126, "count": 4, "type": "VEC2"},
+                      {"bufferView": 4, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+    }
+    with open(path, "w", encoding="utf-8") as out:
+        json.dump(document, out)
 
 
 def layers_file(path, count):
@@ -65,7 +113,7 @@ def main():
     parser.add_argument("--peer", required=True)
     parser.add_argument("--build", default="build")
     parser.add_argument("--models", nargs="*", default=[])
-    parser.add_argument("--rows", default="grid,fill,models,threads,msaa,shaded", help="which groups of rows")
+    parser.add_argument("--rows", default="grid,fill,models,vertices,threads,msaa,shaded,share", help="which groups of rows")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--frames", type=int, default=15)
     arguments = parser.parse_args()
@@ -105,14 +153,19 @@ def main():
         for scene in ("synth:grid:256", "synth:fill:20", *arguments.models):
             plan.append((f"{os.path.basename(scene)} flat, 4 samples", ours(scene, 1280, 720, 1, "--msaa", "4"), None))
             plan.append((f"{os.path.basename(scene)} flat, 1 sample", ours(scene), None))
+    if "vertices" in rows:
+        plan.append(("2M triangles on 64x64 pixels", ours("synth:grid:1024", 64, 64), theirs("synth:grid:1024", 64, 64)))
     if "shaded" in rows:
-        for model in arguments.models:
+        quad = os.path.join(folder.name, "quad.gltf")
+        textured_file(quad)
+        for model in (quad, *arguments.models):
+            camera = "gltf" if model == quad else "outside"
             for name, lights, shade in (("textured", "none", ["--shade", "tex"]), ("lit, 4 lights", "rig:4", ["--shade", "full", "--lights", "4"])):
                 out = os.path.join(folder.name, "out.png")
                 plan.append((f"{os.path.basename(model)} shaded, {name}",
-                             [product, "--quiet", "render", model, "-o", out, "--camera", "outside", "--lights", lights, "--threads", "1",
+                             [product, "--quiet", "render", model, "-o", out, "--camera", camera, "--lights", lights, "--threads", "1",
                               "--frames", "3", "--json", "-"],
-                             [*peer, "--scene", model, "--size", "1280x720", *shade, "--threads", "0", *frames]))
+                             [*peer, "--scene", model, "--size", "1280x720", "--cam", camera, *shade, "--threads", "0", *frames]))
 
     def measure(command):
         if command[0] != product:
@@ -122,6 +175,13 @@ def main():
             sys.exit(f"{shlex.join(command)} failed:\n{done.stderr}")
         timing = json.loads(done.stdout)["timing"]
         return {"ms_median": timing["frame_ms_median"], "ms_min": timing["frame_ms_min"], "cpu_ms_median": float("nan")}
+
+    if "share" in rows:
+        for scene in ("synth:grid:1024", "synth:grid:256", "synth:grid:32", "synth:fill:20", *arguments.models):
+            done = subprocess.run([flat, "--scene", scene, "--width", "1024", "--height", "1024", *frames, "--tasks"], capture_output=True, text=True, check=True)
+            tasks = json.loads(done.stdout)
+            times = {name: value if isinstance(value, float) else sum(value) for name, value in tasks.items()}
+            print(f"{os.path.basename(scene):44} " + ", ".join(f"{name.removesuffix('_us')} {100 * t / sum(times.values()):.1f} %" for name, t in times.items()))
 
     print(f"{'':44} {'ours, ms':>24} {'peer, ms':>24} {'peer / ours':>20}")
     print(f"{'':44} {'median':>8}{'min':>8}{'cpu':>8} {'median':>8}{'min':>8}{'cpu':>8} {'median':>7}{'min':>7}{'cpu':>6}")

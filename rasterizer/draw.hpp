@@ -12,7 +12,8 @@
 namespace aluminate::raster {
 
 /// Homogeneous positions, one array per component, equal sizes. Direct3D clip space: inside is -w <= x <= w,
-/// -w <= y <= w, 0 <= z <= w, y up. Any binary64 value is legal input; NaN and infinities drop their triangles.
+/// -w <= y <= w, 0 <= z <= w, y up. The depth test is LESS against a buffer cleared to the far plane, so a surface exactly
+/// on it (z = w) is inside and still not seen, as in Direct3D and OpenGL with these settings. Any binary64 value is legal input; NaN and infinities drop their triangles.
 struct ClipPositions {
   std::span<const double> x, y, z, w;
 };

@@ -1,6 +1,8 @@
 // The hot loops of the tile stage, compiled for every vector unit and picked at run time: 16 int32 lanes are one 4x4 stamp.
-// In: records of one tile. Out: depth, visibility and billed stamps, or the fragments of one triangle. Integers only, so
-// every vector unit gives the same bits. Used by tile.cpp alone.
+// In: records of one tile. Out: depth, visibility and billed stamps, or the fragments of one triangle. Integers, and binary64
+// quotients of exact integers (depth slopes): every vector unit gives the same bits. Used by tile.cpp alone.
+// The idea of each part is in a file of its own: stamp_lanes (16 pixels as vectors), hierarchical_depth, triangle_walk (any
+// triangle to stamps), small_triangles (the same, eight prepared at once), opaque_stamps (depth test, visibility, bill).
 #pragma once
 
 #include <cstddef>
