@@ -168,6 +168,39 @@ TEST(Skips, RunsBehindEverythingAreNotRead) {
   }
 }
 
+TEST_P(Samples, WhatIsOneStepNearerThanTheFarthestIsSeen) {
+  // A wall, a nearer speck at the pixel that stands for each block (and for the tile) when maxima are recomputed, then cells one
+  // step before the wall: their least depth is the farthest stored one minus 1, so hierarchical depth has to let them pass.
+  constexpr double kStep = 1.0 / kDepthMax, kWall = 9000000 * kStep;
+  for (const double cell : {1.0, 7.0, 20.0, 64.0}) {
+    Geometry g;
+    g.viewport = {64, 64};
+    g.samples = GetParam();
+    const auto rectangle = [&g](double x0, double y0, double x1, double y1, double depth) {
+      const std::uint32_t a = g.add_pixel_vertex(x0, y0, depth), b = g.add_pixel_vertex(x1, y0, depth), c = g.add_pixel_vertex(x0, y1, depth), d = g.add_pixel_vertex(x1, y1, depth);
+      g.add_triangle(a, b, c);
+      g.add_triangle(b, d, c);
+    };
+    rectangle(0, 0, 64, 64, kWall);
+    for (int y = 8; y < 64; y += 16)
+      for (int x = 0; x < 64; x += 16) rectangle(x, y, x + 1, y + 1, 0.25);
+    rectangle(0, 32, 1, 33, 0.25);
+    for (int y = 16; y < 64; y += 32)  // of the quarters: the smallest cells make it a hot tile
+      for (int x = 0; x < 64; x += 32) rectangle(x, y, x + 1, y + 1, 0.25);
+    g.end_draw(CullMode::None);
+    constexpr int kSpecks = 21;
+    constexpr std::uint32_t kFirstCell = 2 * (1 + kSpecks);
+    for (double y = 0; y < 64; y += cell)
+      for (double x = 0; x < 64; x += cell) rectangle(x, y, x + cell, y + cell, kWall - kStep);
+    g.end_draw(CullMode::None);
+    const Picture picture = draw_candidate(g, {});
+    EXPECT_EQ(difference(picture, draw_expected(g, {})), "") << cell;
+    for (const std::uint32_t id : picture.planes.visibility) ASSERT_TRUE(id >= 2 && id != kNoTriangle);  // nothing is left of the wall
+    ASSERT_EQ(std::count_if(picture.planes.visibility.begin(), picture.planes.visibility.end(), [&](std::uint32_t id) { return id >= kFirstCell; }),
+              static_cast<std::ptrdiff_t>(g.samples) * std::ptrdiff_t{64 * 64 - kSpecks});
+  }
+}
+
 TEST_P(Samples, AHotTileIsDrawnInQuartersAndGivesTheSamePictureAndBill) {
   // Most of the triangles are in one corner tile that the viewport cuts; one layer covers everything.
   Geometry g;
