@@ -17,10 +17,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // wider by far more than both.
 constexpr double kSlack = 0x1p-40;
 
-// |a_i| / sqrt(a.a) as the machine computes it. The dot product is rounded to its grid in up to four steps of half a
-// unit s, so a_i^2 <= S + 2 s. rsq takes max(S, s): the product is at most sqrt((S + 2 s) / max(S, s)) <= sqrt(3), plus
-// the roundings of rsq and of the product.
-constexpr double kNormalisedBound = 1.75;
+// |a_i| / sqrt(max(a.a, c)) as the machine computes it. The dot product is rounded to its grid in up to four
+// steps of half a unit s, so a_i^2 <= S + 2 s. rsq takes M = max(S, c, its own least operand): the product is
+// at most sqrt((S + 2 s) / M) <= sqrt(1 + 2 s / M), with room for the relative errors of both operations,
+// plus their roundings to a grid: half a unit of the rsq times |a_i|, and half a unit of the product.
+double normalised_bound(double sum_step, double least_square, double root_step, double product_step,
+                        double magnitude) {
+  return std::sqrt(1 + 2 * sum_step / least_square) * (1 + 0x1p-30) + magnitude * root_step + product_step;
+}
 
 Interval join(const Interval& a, const Interval& b) {
   return {std::min(a.least, b.least), std::max(a.greatest, b.greatest)};
@@ -141,12 +145,13 @@ class Planner {
     for (std::size_t s = 0; s < 2; ++s) {
       const auto root = inverse_roots_.find(name_of(op.src[s]));
       if (root == inverse_roots_.end()) continue;
-      const SumOfSquares& sum = sums_of_squares_.at(root->second);
+      const SumOfSquares& sum = root->second;
       const Operand& vector = op.src[1 - s];
       if (!sum.terms.contains(name_of(vector))) continue;
+      const double size = magnitude(of(vector));
       // Where the sum was clamped it is too small, and the quotient greater by that much.
-      const double bound = sum.in_range ? kNormalisedBound
-                                        : std::max(kNormalisedBound, 2 * magnitude(of(vector)) / std::sqrt(sum.greatest));
+      double bound = normalised_bound(sum.step, sum.least, sum.root_step, op.grid->step, size);
+      if (!sum.in_range) bound = std::max(bound, 2 * size / std::sqrt(sum.greatest));
       result = {std::max(result.least, -bound), std::min(result.greatest, bound)};
     }
     return result;
@@ -257,6 +262,47 @@ class Planner {
     }
   }
 
+  // Bounds that hold without any room for rounding: it is monotone, and these ends lie on every grid.
+  Interval unslacken(const Operation& op, const Interval& a, Interval v) const {
+    if (op.kernel == Kernel::Mul) {
+      const Interval b = of(op.src[1]);
+      if (a.within(-1, 1) && b.within(-1, 1)) v = {std::max(v.least, -1.0), std::min(v.greatest, 1.0)};
+    } else if (op.kernel == Kernel::Sub) {  // exact
+      const Interval b = of(op.src[1]);
+      if (b.least >= 0) v.greatest = std::min(v.greatest, a.greatest);
+      if (a.least >= b.greatest) v.least = std::max(v.least, 0.0);
+    }
+    return v;
+  }
+
+  // Zeros have a sign. A rounding ends with x - M, which is +0 where x = M; so is p - q where p is above
+  // zero.
+  static bool never_minus_zero(Kernel kernel, const Interval& a) {
+    switch (kernel) {
+      case Kernel::Sub:
+        return a.least > 0;
+      case Kernel::Mul:
+      case Kernel::NegMul:
+      case Kernel::Mad:
+      case Kernel::NegMad:
+      case Kernel::MadNegC:
+      case Kernel::NegMadNegC:
+      case Kernel::Dot2:
+      case Kernel::Dot3:
+      case Kernel::Dot4:
+      case Kernel::NegDot2:
+      case Kernel::NegDot3:
+      case Kernel::NegDot4:
+      case Kernel::AddRound:
+      case Kernel::AddRoundSum:
+      case Kernel::Exp:
+      case Kernel::Rsq:
+        return true;
+      default:
+        return false;
+    }
+  }
+
   void visit(std::uint32_t index) {
     const Operation& op = d_.operations[index];
     OperationRange& known = plan_.operations[index];
@@ -271,7 +317,9 @@ class Planner {
     if (!writes_row(op)) return;
 
     Interval result = result_of(op, a);
-    if (!is_exact(op.kernel)) result = rounded(op, result);
+    if (!is_exact(op.kernel)) result = unslacken(op, a, rounded(op, result));
+    known.result = result;
+    known.never_minus_zero = never_minus_zero(op.kernel, a);
     if (op.post == Post::Saturate) {
       known.in_range = true;
       result = {std::clamp(result.least, 0.0, 1.0), std::clamp(result.greatest, 0.0, 1.0)};
@@ -298,6 +346,14 @@ class Planner {
     sum.in_range = known.in_range;
     sum.greatest = op.grid->greatest;
     sum.step = op.grid->step;
+    // max(S, anything) is at least S.
+    if (op.kernel == Kernel::Max && !op.masked)
+      for (std::size_t s = 0; s < 2 && !squares; ++s) {
+        const auto known_sum = sums_of_squares_.find(name_of(op.src[s]));
+        if (known_sum == sums_of_squares_.end()) continue;
+        sum = known_sum->second;
+        squares = true;
+      }
     const Name operand = name_of(op.src[0]);
     const bool copied = op.kernel == Kernel::Copy && !op.absolute && !op.negate;
     write(op, op.dst, result);
@@ -305,16 +361,19 @@ class Planner {
     if (copied && !op.masked) name = operand;
     if (squares) sums_of_squares_[name] = sum;
     const bool root = op.kernel == Kernel::Rsq || op.kernel == Kernel::RsqReference;
-    // The bound needs rsq to take its smallest operand at the sum's own step.
     const auto of_sum = sums_of_squares_.find(operand);
-    if (root && of_sum != sums_of_squares_.end() && op.operand_step == of_sum->second.step && known.in_range)
-      inverse_roots_[name] = operand;
+    if (!root || of_sum == sums_of_squares_.end() || !known.in_range) return;
+    SumOfSquares& rooted = inverse_roots_[name] = of_sum->second;
+    rooted.least = std::max(known.operand.least, op.operand_step);
+    rooted.root_step = op.grid->step;
+    if (rooted.least < rooted.step) inverse_roots_.erase(name);
   }
 
   struct SumOfSquares {
     std::set<Name> terms;
     bool in_range = false;
     double greatest = 0, step = 0;
+    double least = 0, root_step = 0;  // of an inverse root: the smallest operand it takes, the step of its grid
   };
 
   const Decoded& d_;
@@ -324,7 +383,7 @@ class Planner {
   std::vector<Name> names_;
   std::map<std::pair<int, std::uint32_t>, Name> constant_names_;
   std::map<Name, SumOfSquares> sums_of_squares_;
-  std::map<Name, Name> inverse_roots_;  // of which sum
+  std::map<Name, SumOfSquares> inverse_roots_;  // of which sum
   Name last_name_ = 0;
   RangePlan plan_;
 };

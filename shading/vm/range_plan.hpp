@@ -24,6 +24,8 @@ inline constexpr double kTypicalInput = 64, kTypicalUniform = 64;
 
 struct OperationRange {
   Interval operand;       // of src[0], after its modifiers
+  Interval result;        // before saturation and clamping
+  bool never_minus_zero = false;  // the same
   bool in_range = false;  // the result never leaves the grid's range: it needs no clamp and counts no saturation
 };
 

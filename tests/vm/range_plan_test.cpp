@@ -53,6 +53,44 @@ TEST(RangePlan, KnowsThatNormalisingBounds) {
   EXPECT_FALSE(proven(b.program, "fx31", Assume::Nothing)[0]);
 }
 
+// How shaders write it: v * rsqrt(max(dot(v, v), epsilon)), then a half vector of two of them.
+TEST(RangePlan, NormalisingThroughALowerBoundIsProvenToo) {
+  Builder b;
+  const int epsilon = b.literal(1e-8);
+  for (int i = 0; i < 2; ++i) {
+    b.op(Opcode::Dp3, rd(i, "w"), {v(i), v(i)});
+    b.op(Opcode::Max, rd(i, "w"), {r(i, "w"), l(epsilon, "x")});
+    b.op(Opcode::Rsq, rd(i, "w"), {r(i, "w")});
+    b.op(Opcode::Mul, rd(i, "xyz"), {v(i), r(i, "w")});
+  }
+  b.op(Opcode::Add, rd(2, "xyz"), {r(0), r(1)});
+  b.op(Opcode::Dp3, rd(2, "w"), {r(2), r(2)});
+  b.op(Opcode::Mul, o(0, "x"), {r(2, "w"), r(2, "w")});
+  EXPECT_EQ(proven(b.program, "fx31", Assume::Typical), std::vector<bool>(11, true));
+}
+
+// saturate() costs nothing where the value is in [0, 1] anyway: Schlick's (1 - x)^5 of a saturated x.
+TEST(RangePlan, PowersOfASaturatedValueStayWithinOne) {
+  Builder b;
+  b.op(Opcode::Mov, rd(0, "x"), {v(0)}).saturate = true;
+  b.op(Opcode::Add, rd(1, "x"), {l(b.literal(1), "x"), -r(0)}).saturate = true;
+  b.op(Opcode::Mul, rd(2, "x"), {r(1), r(1)}).saturate = true;
+  b.op(Opcode::Mul, rd(2, "x"), {r(2), r(1)}).saturate = true;
+  b.op(Opcode::Mov, o(0, "x"), {r(2)});
+  const Executable executable = prepare(b.program, format("fx31"));
+  const RangePlan plan = plan_ranges(executable.decoded(), Assume::Typical);
+  int powers = 0;
+  for (std::size_t i = 0; i < plan.operations.size(); ++i) {
+    if (executable.decoded().operations[i].kernel != Kernel::Mul &&
+        executable.decoded().operations[i].kernel != Kernel::Sub)
+      continue;
+    ++powers;
+    EXPECT_TRUE(plan.operations[i].result.within(0, 1)) << i;
+    EXPECT_TRUE(plan.operations[i].never_minus_zero) << i;
+  }
+  EXPECT_EQ(powers, 3);
+}
+
 TEST(RangePlan, ALoopMayAddUp) {
   Builder b;
   b.op(Opcode::Mov, rd(0, "x"), {l(b.literal(0))});

@@ -19,10 +19,12 @@ struct Compiled {
   std::string ir, assembly;    // CompileOptions::listing
 };
 
-/// Lanes of one step. More of them hide latency, fewer of them need fewer registers; figures in docs/performance.md.
+/// Lanes of one step, operations of one stretch, and how far operations may overtake each other in it. Wider steps and
+/// windows hide latency; a stretch is run once for every step of a batch, so that its code, about 100 bytes an operation,
+/// comes from the first-level cache in all steps but one. Figures: bench/shader_bench, docs/performance.md.
 inline constexpr std::uint32_t kWidth = 16;
-inline constexpr std::uint32_t kStretch = 1024;
-inline constexpr std::uint32_t kWindow = 128;
+inline constexpr std::uint32_t kStretch = 64;
+inline constexpr std::uint32_t kWindow = 48;
 
 struct CompileOptions {
   Assume assume = Assume::Typical;

@@ -47,6 +47,8 @@ class Generator {
     // Full-width vectors also where the processor's tuning prefers narrower ones: they are all this code does.
     function_->addFnAttr("prefer-vector-width", std::to_string(vector_lanes_ * 64));
     function_->addFnAttr("min-legal-vector-width", std::to_string(vector_lanes_ * 64));
+    // Else spilled vectors lie across cache lines.
+    function_->addFnAttr(llvm::Attribute::getWithStackAlignment(c_, llvm::Align(vector_lanes_ * 8)));
     frame_ = function_->getArg(0);
     frame_->addAttr(llvm::Attribute::NoAlias);
     b_.SetInsertPoint(new_block("entry"));
@@ -212,32 +214,64 @@ class Generator {
 
   void finish(const Operation& op, std::uint32_t index, Parts parts) {
     if (op.post == Post::Saturate) {
-      for (Rounded& part : parts) part = {define_.saturate(part.plain), nullptr};
+      const OperationRange& known = ranges_.operations[index];
+      const bool below_one = known.result.greatest <= 1,
+                 above_zero = known.result.least >= 0 && known.never_minus_zero;
+      for (Rounded& part : parts) {
+        if (!below_one) part = {define_.less_of(part.plain, define_.constant(1.0)), nullptr};
+        if (!above_zero) part = {define_.greater_of(part.plain, define_.constant(0.0)), nullptr};
+      }
     } else if (op.post == Post::Range && !ranges_.operations[index].in_range) {
       bound(op, parts);
     }
     write(op, parts);
   }
 
-  // When any lane is outside the range of the grid: clamps and counts, or gives the batch up. Hardly ever taken.
+  llvm::MDNode* rarely() { return llvm::MDBuilder(c_).createBranchWeights(1, 1 << 20); }
+  Value* any_above(Value* sizes, double greatest) {
+    Value* outside =
+        b_.CreateBitCast(b_.CreateFCmpOGT(sizes, define_.constant(greatest)), b_.getIntNTy(vector_lanes_));
+    return b_.CreateICmpNE(outside, llvm::ConstantInt::get(outside->getType(), 0));
+  }
+
+  // The batch may be given up as late as the end of the stretch: until then a value out of range does no
+  // harm, because nothing but rows is written and no operation of a stretch takes an address from a value
+  // unbounded. What follows from it may be anything, even no number: the comparison keeps the old maximum
+  // then.
+  void remember_greatest(const Operation& op, const Parts& parts) {
+    std::vector<Value*>& greatest = greatest_[op.grid->greatest];
+    greatest.resize(parts_ < 2 ? parts_ : 2);
+    for (unsigned p = 0; p < parts_; ++p) {
+      Value*& known = greatest[p % greatest.size()];
+      Value* size = ranges_.operations[now_->index].result.least >= 0 ? parts[p].plain
+                                                                      : define_.absolute(parts[p].plain);
+      known = known == nullptr ? size : define_.greater_of(size, known);
+    }
+  }
+  void give_up_if_beyond() {
+    for (const auto& [limit, sizes] : greatest_) {
+      Value* all = sizes.size() == 1 ? sizes[0] : define_.greater_of(sizes[0], sizes[1]);
+      llvm::BasicBlock* after = new_block("in_range");
+      b_.CreateCondBr(any_above(all, limit), give_up_, after, rarely());
+      b_.SetInsertPoint(after);
+    }
+    greatest_.clear();
+  }
+
+  // When any lane is outside the range of the grid: clamps and counts, or gives the batch up. Hardly ever
+  // taken.
   void bound(const Operation& op, Parts& parts) {
+    if (gives_up_) return remember_greatest(op, parts);
     std::vector<Value*> sizes;
     for (const Rounded& part : parts) sizes.push_back(define_.absolute(part.plain));
     while (sizes.size() > 1) {
       for (std::size_t i = 0; i < sizes.size() / 2; ++i) sizes[i] = define_.greater_of(sizes[2 * i], sizes[2 * i + 1]);
       sizes.resize(sizes.size() / 2);
     }
-    Value* outside = b_.CreateBitCast(b_.CreateFCmpOGT(sizes[0], define_.constant(op.grid->greatest)), b_.getIntNTy(vector_lanes_));
-    Value* any = b_.CreateICmpNE(outside, llvm::ConstantInt::get(outside->getType(), 0));
+    Value* any = any_above(sizes[0], op.grid->greatest);
     llvm::BasicBlock *before = b_.GetInsertBlock(), *after = new_block("go_on");
-    llvm::MDNode* const rarely = llvm::MDBuilder(c_).createBranchWeights(1, 1 << 20);
-    if (gives_up_) {  // going on, every value is in range and both its forms are good
-      b_.CreateCondBr(any, give_up_, after, rarely);
-      b_.SetInsertPoint(after);
-      return;
-    }
     llvm::BasicBlock* clamp = new_block("clamp");
-    b_.CreateCondBr(any, clamp, after, rarely);
+    b_.CreateCondBr(any, clamp, after, rarely());
 
     b_.SetInsertPoint(clamp);
     std::vector<Value*> clamped, conditions;
@@ -394,7 +428,7 @@ class Generator {
       case Kernel::Mul:
       case Kernel::NegMul: return multiply(op, p);
       case Kernel::Min: return plain(define_.less_of(a(), b()));
-      case Kernel::Max: return plain(b_.CreateSelect(b_.CreateFCmpOGE(a(), b()), a(), b()));
+      case Kernel::Max: return plain(define_.greater_of(b(), a()));  // a where they are equal: one instruction on x86
       case Kernel::Sge:
       case Kernel::Sgt:
       case Kernel::Seq:
@@ -473,6 +507,7 @@ class Generator {
       now_ = &op;
       emit(op.index);
     }
+    give_up_if_beyond();
     const RowSet live = live_.after(block, last - 1);
     for (const auto& [offset, by] : stretch.written)
       if (live[offset / kLanes])
@@ -719,6 +754,7 @@ class Generator {
   std::map<Place, Value*> scalars_, splats_;
   std::map<std::tuple<Space, std::uint32_t, double>, Value*> biased_splats_;
   std::vector<Value*> masks_;
+  std::map<double, std::vector<Value*>> greatest_;  // sizes seen so far, by the greatest value of their grid
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <llvm/IR/Verifier.h>
 #include <llvm/MC/TargetRegistry.h>
 #include <llvm/Pass.h>
+#include <llvm/Support/CommandLine.h>
 #include <llvm/Support/TargetSelect.h>
 #include <llvm/Support/raw_ostream.h>
 #include <llvm/Target/TargetMachine.h>
@@ -31,6 +32,11 @@ struct Host {
 
 const Host& host() {
   static const Host known = [] {
+    // The order of schedule() is the one that is wanted: LLVM's own schedulers would bring uses back to
+    // definitions, which saves registers and leaves the processor waiting. Options of a process, not of a
+    // target machine; nobody else here has LLVM make code.
+    constexpr const char* kOptions[] = {"aluminate", "-pre-RA-sched=source", "-enable-misched=false"};
+    llvm::cl::ParseCommandLineOptions(static_cast<int>(std::size(kOptions)), kOptions);
     llvm::InitializeNativeTarget();
     llvm::InitializeNativeTargetAsmPrinter();
     Host h;
