@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace aluminate::passes {
 namespace {
@@ -109,22 +110,34 @@ void TileBill::add_executed(std::uint32_t draw, int x, int y, const LaneCost& co
 }
 
 void TileBill::store(const raster::TileView& tile, int image_width, CostPlanes& planes) const {
-  // One more row and column than the picture where its size is odd: helper lanes out there belong to their
-  // quad's pixel.
-  const int right = std::min(raster::kTilePx, (tile.width + 1) & ~1),
-            bottom = std::min(raster::kTilePx, (tile.height + 1) & ~1);
-  for (int y = 0; y < bottom; ++y)
-    for (int x = 0; x < right; ++x) {
-      const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));
-      const std::size_t px = static_cast<std::size_t>(tile.origin.x + std::min(x, tile.width - 1));
-      const std::size_t py = static_cast<std::size_t>(tile.origin.y + std::min(y, tile.height - 1));
-      const std::size_t to = py * static_cast<std::size_t>(image_width) + px;
-      planes.alu_words[to] += alu_words_[from];
-      planes.alu_slots[to] += alu_slots_[from];
-      planes.fetches[to] += fetches_[from];
-      planes.fetch_cyc[to] += fetch_cyc_[from];
-      planes.overdraw[to] += overdraw_[from];
-      planes.helpers[to] += helpers_[from];
+  const std::array<std::pair<const Plane*, std::uint32_t*>, 6> all{{{&alu_words_, planes.alu_words.data()},
+                                                                   {&alu_slots_, planes.alu_slots.data()},
+                                                                   {&fetches_, planes.fetches.data()},
+                                                                   {&fetch_cyc_, planes.fetch_cyc.data()},
+                                                                   {&overdraw_, planes.overdraw.data()},
+                                                                   {&helpers_, planes.helpers.data()}}};
+  const auto width = static_cast<std::size_t>(image_width);
+  for (int y = 0; y < tile.height; y += 2)
+    for (int x = 0; x < tile.width; x += 2) {
+      const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));  // lanes (0,0) (1,0) (0,1) (1,1)
+      const std::size_t to = static_cast<std::size_t>(tile.origin.y + y) * width + static_cast<std::size_t>(tile.origin.x + x);
+      if (x + 1 < tile.width && y + 1 < tile.height) {
+        for (const auto& [plane, image] : all) {
+          std::copy_n(&(*plane)[from], 2, image + to);
+          std::copy_n(&(*plane)[from + 2], 2, image + to + width);
+        }
+        continue;
+      }
+      // One more row and column than the picture where its size is odd: helper lanes out there belong to their quad's pixel.
+      const std::size_t right = x + 1 < tile.width ? 1 : 0, below = y + 1 < tile.height ? width : 0;
+      for (const auto& [plane, image] : all) {
+        const std::uint32_t* lane = &(*plane)[from];
+        for (const std::size_t pixel : {to, to + right, to + below, to + right + below}) image[pixel] = 0;
+        image[to] += lane[0];
+        image[to + right] += lane[1];
+        image[to + below] += lane[2];
+        image[to + right + below] += lane[3];
+      }
     }
 }
 

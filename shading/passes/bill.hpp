@@ -36,8 +36,8 @@ class TileBill : public raster::BillSink {
   void billed(std::span<const raster::BilledStamp> stamps) override;
   /// One executed lane of a program that branches on data. x, y: tile-relative pixel.
   void add_executed(std::uint32_t draw, int x, int y, const LaneCost& cost);
-  /// Adds the tile to the frame's planes. Lanes right of or below the picture go to the nearest pixel of
-  /// their quad.
+  /// Writes the tile's pixels of the frame's planes. Lanes right of or below the picture go to the nearest
+  /// pixel of their quad.
   void store(const raster::TileView& tile, int image_width, CostPlanes& planes) const;
 
   /// Since construction.
