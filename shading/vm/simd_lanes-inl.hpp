@@ -29,16 +29,19 @@ using M = hn::Mask<D>;
 
 HWY_INLINE V constant(double x) { return hn::Set(D(), x); }
 
-HWY_INLINE V fma(V a, V b, V c) {
+// Of any vector of binary64, so that code of a narrower step can share them.
+template <class T>
+HWY_INLINE T fma(T a, T b, T c) {
 #if HWY_NATIVE_FMA
   return hn::MulAdd(a, b, c);
 #else
-  HWY_ALIGN double x[hn::MaxLanes(D())], y[hn::MaxLanes(D())], z[hn::MaxLanes(D())];
-  hn::Store(a, D(), x);
-  hn::Store(b, D(), y);
-  hn::Store(c, D(), z);
-  for (std::size_t i = 0; i < hn::Lanes(D()); ++i) z[i] = std::fma(x[i], y[i], z[i]);
-  return hn::Load(D(), z);
+  const hn::DFromV<T> d;
+  HWY_ALIGN double x[hn::MaxLanes(d)], y[hn::MaxLanes(d)], z[hn::MaxLanes(d)];
+  hn::Store(a, d, x);
+  hn::Store(b, d, y);
+  hn::Store(c, d, z);
+  for (std::size_t i = 0; i < hn::Lanes(d); ++i) z[i] = std::fma(x[i], y[i], z[i]);
+  return hn::Load(d, z);
 #endif
 }
 HWY_INLINE V negative_fma(V a, V b, V c) {  // c - a*b
@@ -50,14 +53,16 @@ HWY_INLINE V negative_fma(V a, V b, V c) {  // c - a*b
 }
 
 // Highway's portable rounding loses the sign of zero; libm's does not.
-HWY_INLINE V floor_of(V a) {
+template <class T>
+HWY_INLINE T floor_of(T a) {
 #if HWY_NATIVE_FMA
   return hn::Floor(a);
 #else
-  HWY_ALIGN double x[hn::MaxLanes(D())];
-  hn::Store(a, D(), x);
-  for (std::size_t i = 0; i < hn::Lanes(D()); ++i) x[i] = std::floor(x[i]);
-  return hn::Load(D(), x);
+  const hn::DFromV<T> d;
+  HWY_ALIGN double x[hn::MaxLanes(d)];
+  hn::Store(a, d, x);
+  for (std::size_t i = 0; i < hn::Lanes(d); ++i) x[i] = std::floor(x[i]);
+  return hn::Load(d, x);
 #endif
 }
 HWY_INLINE V trunc_of(V a) {

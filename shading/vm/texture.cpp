@@ -168,12 +168,12 @@ std::uint16_t Texture::linear16(std::size_t level, std::size_t texel, std::size_
 }
 
 void Texture::make_filter_texels() {
+  if (!srgb_ && levels_.front().codes16.empty()) return;
   // The two encodings of a channel, code by code.
   std::array<std::uint64_t, 256> plain{}, encoded{};
   for (std::size_t code = 0; code < 256; ++code) {
     plain[code] = (code * 257) ^ 0x8000;
-    encoded[code] =
-        srgb_ ? std::uint64_t{srgb_decode16(static_cast<std::uint8_t>(code))} ^ 0x8000 : plain[code];
+    encoded[code] = std::uint64_t{srgb_decode16(static_cast<std::uint8_t>(code))} ^ 0x8000;
   }
   std::size_t total = 0;
   for (const MipLevel& level : levels_) total += level.texel_count();
@@ -236,7 +236,8 @@ Texture Texture::render_target(int width, int height) {
 }
 
 void Texture::set_texel(std::size_t texel, std::uint64_t rgba) noexcept {
-  for (std::size_t c = 0; c < 4; ++c) levels_[0].codes16[4 * texel + c] = static_cast<std::uint16_t>(rgba >> 16 * c);
+  for (std::size_t c = 0; c < 4; ++c)
+    levels_[0].codes16[4 * texel + c] = static_cast<std::uint16_t>(rgba >> 16 * c);
   texels_[texel] = rgba ^ 0x8000800080008000u;  // see filter_texels()
 }
 

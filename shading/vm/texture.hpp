@@ -20,7 +20,11 @@ struct SamplerState {
   Filter mip = Filter::Linear;
   bool mipmapped = true;
   Address w = Address::Wrap;  // volumes
+  int max_anisotropy = 1;     // 1 .. kMostProbes; flat textures whose minification filter is linear
 };
+
+/// Most samples along the longer axis of a pixel's footprint.
+inline constexpr int kMostProbes = 16;
 
 enum class TextureShape : std::uint8_t { Flat, Cube, Volume };
 
@@ -51,7 +55,8 @@ class Texture {
   /// before, rounded down.
   static Texture from_levels(TextureShape shape, std::vector<MipLevel> levels, bool srgb);
 
-  /// A surface drawn into and read back: flat, one level of 16-bit linear channels, zero until set_texel() writes them.
+  /// A surface drawn into and read back: flat, one level of 16-bit linear channels, zero until set_texel()
+  /// writes them.
   static Texture render_target(int width, int height);
   /// texel: index in level 0; rgba: four 16-bit channels, R in the low bits. Different texels may be written
   /// by different threads.
@@ -64,12 +69,13 @@ class Texture {
   /// 16-bit linear value of a channel of a texel; texel = index in the level.
   std::uint16_t linear16(std::size_t level, std::size_t texel, std::size_t channel) const;
 
-  /// What the fast filter reads: per texel of a level four 16-bit channels, R in the low bits, each linear16
-  /// - 32768 as a signed number, so that a pair can be weighed by one signed multiply-add. Made at load, 8
-  /// bytes a texel.
+  /// What the fast filter reads of sRGB and 16-bit textures: per texel of a level four 16-bit channels, R in
+  /// the low bits, each linear16 - 32768 as a signed number, so that a pair can be weighed by one signed
+  /// multiply-add. Made at load, 8 bytes a texel. Other textures are read as their 8-bit codes and have none.
   const std::uint64_t* filter_texels(std::size_t level) const {
     return texels_.data() + texels_begin_[level];
   }
+  bool has_filter_texels() const { return !texels_.empty(); }
 
  private:
   void make_filter_texels();

@@ -63,6 +63,25 @@ bool has_shape(const Texture* texture, SamplerDimension dimension) noexcept;
 std::int32_t volume_level_of_detail(const std::array<double, 3>& along_x,
                                     const std::array<double, 3>& along_y,
                                     const std::array<int, 3>& size) noexcept;
+/// What one fetch covers of a flat texture: `probes` filtered samples spread evenly along its longer axis,
+/// all of the level of detail that the share of one of them asks for.
+struct Footprint {
+  std::int32_t lod = 0;  // times 256
+  int probes = 1;
+  double du = 0, dv = 0;  // the longer axis
+};
+Footprint footprint_of(double du_dx, double dv_dx, double du_dy, double dv_dy, int width, int height,
+                       int max_anisotropy) noexcept;
+/// Where probe i of n lies, in parts of the longer axis from its middle.
+constexpr double probe_offset(int i, int n) { return (2.0 * i + 1.0 - n) / (2.0 * n); }
+/// Samples a fetch may make: 1 unless the sampler is anisotropic and the operation has derivatives.
+constexpr int most_probes(const SamplerState& state, const FetchRequest& request) {
+  return request.dimension == SamplerDimension::Tex2D && request.op != Opcode::TexLod &&
+                 state.minify == Filter::Linear
+             ? state.max_anisotropy
+             : 1;
+}
+
 std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width,
                              int height) noexcept;
 /// A level or bias given as a number, times 256, to nearest.
@@ -75,10 +94,12 @@ struct MipChoice {
 };
 MipChoice choose_mip(const SamplerState& state, std::size_t levels, std::int32_t lod) noexcept;
 
-/// Filtered sum, scaled by 65535 * 2^24, to a number on the grid.
-inline double texel_value(const number::Grid& grid, std::uint64_t sum) {
-  constexpr double kScale = 0x1p-24 / 65535.0;
-  return std::fma(static_cast<double>(sum), kScale, grid.magic) - grid.magic;
+/// What scales a sum of `probes` filtered samples to a number: binary64(2^-24 / (65535 probes)).
+constexpr double texel_scale(int probes) { return 0x1p-24 / (65535.0 * probes); }
+
+/// Sum of filtered samples, each scaled by 65535 * 2^24, to a number on the grid.
+inline double texel_value(const number::Grid& grid, std::uint64_t sum, int probes = 1) {
+  return std::fma(static_cast<double>(sum), texel_scale(probes), grid.magic) - grid.magic;
 }
 
 }  // namespace aluminate::vm

@@ -59,9 +59,14 @@ class LaneFetch {
   LaneFetch(const SamplerBinding& binding, const FetchRequest& request, int lane)
       : texture_(*binding.texture), state_(binding.state), request_(request), lane_(lane) {}
 
-  std::int32_t detail() const {
+  // For cubes and volumes only the level of detail.
+  Footprint footprint() const {
     const std::size_t n = coordinate_count(request_.dimension);
-    if (request_.op == Opcode::TexLod) return to_lod(row(n, lane_));
+    Footprint result;
+    if (request_.op == Opcode::TexLod) {
+      result.lod = to_lod(row(n, lane_));
+      return result;
+    }
     const int first = lane_ & ~3;
     Direction at{}, along_x{}, along_y{};
     for (std::size_t k = 0; k < n; ++k) {
@@ -75,39 +80,48 @@ class LaneFetch {
         along_y[k] = row(k, first + 2) - row(k, first);
       }
     }
-    const std::int32_t lod = detail_of(at, along_x, along_y);
-    return request_.op == Opcode::TexBias ? lod + to_lod(row(n, lane_)) : lod;
+    result = footprint_of(at, along_x, along_y);
+    if (request_.op == Opcode::TexBias) result.lod += to_lod(row(n, lane_));
+    return result;
   }
 
   // Scaled by 65535 * 2^24; for volumes the third axis is weighed first and its 8 bits are rounded away at
   // the end.
-  std::array<std::uint64_t, 4> filtered(const MipChoice& mip) const {
+  std::array<std::uint64_t, 4> filtered(const MipChoice& mip, const Footprint& footprint) const {
     std::array<std::uint64_t, 4> sum{};
     const auto fraction = static_cast<std::uint64_t>(mip.fraction);
-    add_level(mip.level, mip.filter, 256 - fraction, sum);
-    if (fraction != 0) add_level(mip.level + 1, mip.filter, fraction, sum);
+    for (int i = 0; i < footprint.probes; ++i) {
+      const double offset = probe_offset(i, footprint.probes);
+      const double du = offset * footprint.du, dv = offset * footprint.dv;
+      add_level(mip.level, mip.filter, 256 - fraction, du, dv, sum);
+      if (fraction != 0) add_level(mip.level + 1, mip.filter, fraction, du, dv, sum);
+    }
     return sum;
   }
 
  private:
   double row(std::size_t r, int lane) const { return request_.rows[r][lane]; }
 
-  std::int32_t detail_of(const Direction& at, const Direction& along_x, const Direction& along_y) const {
+  Footprint footprint_of(const Direction& at, const Direction& along_x, const Direction& along_y) const {
     const MipLevel& base = texture_.levels().front();
+    if (request_.dimension == SamplerDimension::Tex2D)
+      return vm::footprint_of(along_x[0], along_x[1], along_y[0], along_y[1], base.width, base.height,
+                              most_probes(state_, request_));
+    Footprint result;
     if (request_.dimension == SamplerDimension::TexCube) {
       const auto x = face_step(at, along_x), y = face_step(at, along_y);
-      return level_of_detail(x[0], x[1], y[0], y[1], base.width, base.height);
+      result.lod = level_of_detail(x[0], x[1], y[0], y[1], base.width, base.height);
+    } else {
+      result.lod = volume_level_of_detail(along_x, along_y, {base.width, base.height, base.slices});
     }
-    if (request_.dimension == SamplerDimension::Tex3D)
-      return volume_level_of_detail(along_x, along_y, {base.width, base.height, base.slices});
-    return level_of_detail(along_x[0], along_x[1], along_y[0], along_y[1], base.width, base.height);
+    return result;
   }
 
-  void add_level(std::int32_t index, Filter filter, std::uint64_t weight,
+  void add_level(std::int32_t index, Filter filter, std::uint64_t weight, double du, double dv,
                  std::array<std::uint64_t, 4>& sum) const {
     const auto level = static_cast<std::size_t>(index);
     const MipLevel& mip = texture_.levels()[level];
-    double u = row(0, lane_), v = row(1, lane_);
+    double u = row(0, lane_) + du, v = row(1, lane_) + dv;
     Address mode_u = state_.u, mode_v = state_.v;
     Axis slices;
     if (request_.dimension == SamplerDimension::TexCube) {
@@ -161,9 +175,24 @@ bool has_shape(const Texture* texture, SamplerDimension dimension) noexcept {
 
 std::int32_t level_of_detail(double du_dx, double dv_dx, double du_dy, double dv_dy, int width,
                              int height) noexcept {
+  return footprint_of(du_dx, dv_dx, du_dy, dv_dy, width, height, 1).lod;
+}
+
+Footprint footprint_of(double du_dx, double dv_dx, double du_dy, double dv_dy, int width, int height,
+                       int max_anisotropy) noexcept {
   const double ux = du_dx * width, vx = dv_dx * height, uy = du_dy * width, vy = dv_dy * height;
   const double along_x = ux * ux + vx * vx, along_y = uy * uy + vy * vy;
-  return lod_of_square(along_x > along_y ? along_x : along_y);
+  const bool is_x = along_x >= along_y;
+  const double longer = is_x ? along_x : along_y, shorter = is_x ? along_y : along_x;
+  // As many probes as the longer axis is times the shorter one, or times a texel if that is more.
+  const double least = shorter > 1.0 ? shorter : 1.0;
+  Footprint result;
+  while (result.probes < max_anisotropy && result.probes * result.probes * least < longer) ++result.probes;
+  const double share = 1.0 / (result.probes * result.probes);
+  result.lod = lod_of_square(longer * share);
+  result.du = is_x ? du_dx : du_dy;
+  result.dv = is_x ? dv_dx : dv_dy;
+  return result;
 }
 
 std::int32_t volume_level_of_detail(const std::array<double, 3>& along_x,
@@ -215,12 +244,14 @@ FetchCost fetch_reference(const SamplerBinding& binding, const FetchRequest& req
         continue;
       }
       const LaneFetch one(binding, request, lane);
-      const MipChoice mip = choose_mip(binding.state, binding.texture->levels().size(), one.detail());
+      const Footprint footprint = one.footprint();
+      const MipChoice mip = choose_mip(binding.state, binding.texture->levels().size(), footprint.lod);
       const int slices = request.dimension == SamplerDimension::Tex3D && mip.filter == Filter::Linear ? 2 : 1;
-      cost.cycles += is_billed ? static_cast<std::uint64_t>((mip.fraction != 0 ? 2 : 1) * slices) : 0;
-      const std::array<std::uint64_t, 4> sum = one.filtered(mip);
-      // <= 65535 * 2^24 < 2^40: exact in binary64. One rounding to the grid.
-      for (std::size_t c = 0; c < 4; ++c) texel[c] = texel_value(grid, sum[c]);
+      cost.cycles +=
+          is_billed ? static_cast<std::uint64_t>((mip.fraction != 0 ? 2 : 1) * slices * footprint.probes) : 0;
+      const std::array<std::uint64_t, 4> sum = one.filtered(mip, footprint);
+      // <= 16 * 65535 * 2^24 < 2^44: exact in binary64. One rounding to the grid.
+      for (std::size_t c = 0; c < 4; ++c) texel[c] = texel_value(grid, sum[c], footprint.probes);
     }
     for (int l = 0; l < 4; ++l) {
       if (masked && (request.exec >> (quad + l) & 1) == 0) continue;

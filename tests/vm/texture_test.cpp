@@ -5,6 +5,7 @@
 #include <random>
 
 #include "platform/host/error.hpp"
+#include "shading/vm/decoded.hpp"
 #include "shading/vm/srgb.hpp"
 #include "shading/vm/texture_unit.hpp"
 #include "tests/vm/machine.hpp"
@@ -27,7 +28,7 @@ struct Fetched {
 };
 
 Fetched sample(const Texture& texture, const SamplerState& state, Opcode op, const std::vector<std::array<double, 3>>& lanes,
-               bool reference = false) {
+               bool reference = false, std::uint64_t exec = kAllLanes, bool masked = false) {
   Fetched f;
   for (int lane = 0; lane < kLanes; ++lane)
     for (std::size_t k = 0; k < 3; ++k)
@@ -35,11 +36,13 @@ Fetched sample(const Texture& texture, const SamplerState& state, Opcode op, con
   FetchRequest request;
   request.op = op;
   for (std::size_t k = 0; k < 6; ++k) request.rows[k] = f.coordinates.data() + k * kLanes;
-  request.exec = request.covered = kAllLanes;
+  request.exec = exec;
+  request.covered = kAllLanes << 3;
+  if (exec == kAllLanes) request.covered = kAllLanes;
   const std::array<double*, 4> rows = {&f.texels.at(0, 0), &f.texels.at(1, 0), &f.texels.at(2, 0), &f.texels.at(3, 0)};
   const SamplerBinding binding{&texture, state};
   const number::Grid grid = format("fx31").unit_grid();
-  f.cost = reference ? fetch_reference(binding, request, false, grid, rows) : fetch(binding, request, false, grid, rows);
+  f.cost = reference ? fetch_reference(binding, request, masked, grid, rows) : fetch(binding, request, masked, grid, rows);
   return f;
 }
 
@@ -233,7 +236,58 @@ TEST(TextureFetch, NoTextureBoundGivesOpaqueBlack) {
   EXPECT_EQ(rows.at(1, 9), 1);
 }
 
-TEST(TextureFetch, FastAndReferenceGiveTheSameBits) {
+TEST(Anisotropy, ProbesAreTheRatioOfTheAxesAndShareTheLongerOne) {
+  const auto footprint = [](double x, double y, int max) { return footprint_of(x / 64, 0, 0, y / 64, 64, 64, max); };
+  EXPECT_EQ(footprint(8, 1, 16).probes, 8);
+  EXPECT_EQ(footprint(8, 1, 16).lod, 0);
+  EXPECT_EQ(footprint(8, 1, 4).probes, 4);
+  EXPECT_EQ(footprint(8, 1, 4).lod, 256);
+  EXPECT_EQ(footprint(8, 1, 1).lod, 3 * 256);
+  EXPECT_EQ(footprint(8, 3, 16).probes, 3);        // 2.67, rounded up
+  EXPECT_EQ(footprint(8, 0.001, 16).probes, 8);    // no probes closer than a texel
+  EXPECT_EQ(footprint(0.5, 0.01, 16).probes, 1);   // magnified
+  EXPECT_EQ(footprint(1e300, 0, 16).probes, 16);
+  EXPECT_EQ(footprint(4, 16, 16).du, 0);
+  EXPECT_EQ(footprint(4, 16, 16).dv, 0.25);
+  EXPECT_EQ(probe_offset(0, 4), -0.375);
+  EXPECT_EQ(probe_offset(3, 4), 0.375);
+  EXPECT_EQ(probe_offset(0, 1), 0);
+}
+
+TEST(Anisotropy, KeepsWhatTheShorterAxisResolves) {
+  // Columns of 0 and 240 seen from a grazing angle: eight texels a pixel along the columns, one across.
+  std::vector<std::uint8_t> rgba;
+  for (int i = 0; i < 64 * 64; ++i) rgba.insert(rgba.end(), 4, static_cast<std::uint8_t>(i % 2 == 0 ? 0 : 240));
+  const Texture t = Texture::from_rgba8(64, 64, rgba, false, true);
+  SamplerState s;
+  std::vector<std::array<double, 3>> quad;
+  for (int l = 0; l < 4; ++l) quad.push_back({(20.5 + (l & 1)) / 64, (20.5 + 8 * (l >> 1)) / 64, 0});
+  Fetched isotropic = sample(t, s, Opcode::Tex, quad);
+  EXPECT_NEAR(isotropic.code(0, 0), 120, 1e-12);
+  s.max_anisotropy = 16;
+  Fetched sharp = sample(t, s, Opcode::Tex, quad);
+  EXPECT_NEAR(sharp.code(0, 0), 0, 1e-12);
+  EXPECT_NEAR(sharp.code(1, 0), 240, 1e-12);
+  EXPECT_EQ(isotropic.cost.cycles, 64u);
+  EXPECT_EQ(sharp.cost.cycles, 4 * 8u + 60u);  // lanes behind the first quad stand still
+  s.max_anisotropy = 3;                        // 8 / 3 texels a probe: between two levels
+  EXPECT_EQ(sample(t, s, Opcode::Tex, quad).cost.cycles, 4 * 3 * 2u + 60u);
+  s.minify = Filter::Point;
+  EXPECT_EQ(sample(t, s, Opcode::Tex, quad).cost.cycles, 4 * 1u + 60u);
+}
+
+TEST(Anisotropy, AConstantTextureStaysConstant) {
+  const std::vector<std::uint8_t> rgba(16 * 16 * 4, 77);
+  const Texture t = Texture::from_rgba8(16, 16, rgba, true, true);
+  SamplerState plain, s;
+  s.max_anisotropy = 7;
+  std::vector<std::array<double, 3>> lanes;
+  for (int l = 0; l < kLanes; ++l) lanes.push_back({0.37 * l, 0.013 * l, 0});
+  Fetched a = sample(t, s, Opcode::Tex, lanes), b = sample(t, plain, Opcode::TexLod, lanes);
+  for (int l = 0; l < kLanes; ++l) EXPECT_NEAR(a.texels.at(0, l), b.texels.at(0, l), 0x1p-50);
+}
+
+void check_fast_against_reference() {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> unit(-2, 2);
   for (int round = 0; round < 400; ++round) {
@@ -243,16 +297,47 @@ TEST(TextureFetch, FastAndReferenceGiveTheSameBits) {
     const Texture t = Texture::from_rgba8(width, height, rgba, random() % 2 == 0, random() % 4 != 0);
     const auto address = [&] { return static_cast<Address>(random() % 3); };
     const auto filter = [&] { return static_cast<Filter>(random() % 2); };
-    const SamplerState state{address(), address(), filter(), filter(), filter(), random() % 3 != 0};
+    SamplerState state{address(), address(), filter(), filter(), filter(), random() % 3 != 0};
+    state.max_anisotropy = std::array{1, 2, 3, 8, kMostProbes}[random() % 5];
     const double spread = std::exp2(unit(random) * 5);
     std::vector<std::array<double, 3>> lanes;
     for (int lane = 0; lane < kLanes; ++lane)
       lanes.push_back({unit(random) * spread, unit(random) * spread * (round % 5 == 0 ? 1e6 : 1), unit(random) * 4});
+    // Every other texture is seen by smooth quads, long along some axis, the others by lanes without order.
+    if (round % 2 == 0)
+      for (std::size_t quad = 0; quad < kLanes; quad += 4) {
+        const double scale = std::exp2(unit(random) * 2 - 2) / width, ratio = std::exp2(unit(random) * 3);
+        const double angle = unit(random) * 3;
+        for (std::size_t l = 1; l < 4; ++l) {
+          const double x = (l & 1) != 0 ? scale : 0, y = (l & 2) != 0 ? scale * ratio : 0;
+          lanes[quad + l][0] = lanes[quad][0] + x * std::cos(angle) - y * std::sin(angle);
+          lanes[quad + l][1] = lanes[quad][1] + x * std::sin(angle) + y * std::cos(angle);
+        }
+      }
     const Opcode op = std::array{Opcode::Tex, Opcode::TexBias, Opcode::TexLod}[random() % 3];
-    Fetched a = sample(t, state, op, lanes), b = sample(t, state, op, lanes, true);
+    const bool masked = random() % 3 == 0;
+    const std::uint64_t exec = random() % 2 == 0 ? kAllLanes : random() | random();
+    Fetched a = sample(t, state, op, lanes, false, exec, masked), b = sample(t, state, op, lanes, true, exec, masked);
+    ASSERT_EQ(a.cost.fetches, b.cost.fetches);
     ASSERT_EQ(a.cost.cycles, b.cost.cycles);
     for (int lane = 0; lane < kLanes; ++lane)
+      if (!masked && (exec >> lane & 1) == 0)  // any numbers
+        for (std::size_t c = 0; c < 4; ++c) {
+          ASSERT_TRUE(std::isfinite(a.texels.at(c, lane)));
+          a.texels.at(c, lane) = b.texels.at(c, lane);
+        }
+    for (int lane = 0; lane < kLanes; ++lane)
       for (std::size_t c = 0; c < 4; ++c) ASSERT_EQ(a.texels.at(c, lane), b.texels.at(c, lane)) << round << " " << lane;
+  }
+}
+
+TEST(TextureFetch, FastAndReferenceGiveTheSameBitsOnEveryTarget) {
+  for (const char* target : kernel_targets()) {
+    SCOPED_TRACE(target);
+    force_kernel_target(target);
+    check_fast_against_reference();
+    force_kernel_target(nullptr);
+    if (HasFatalFailure()) return;
   }
 }
 
