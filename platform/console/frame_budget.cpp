@@ -104,7 +104,8 @@ double milliseconds(const GpuModel& gpu, double cycles) {
 double memory_ms(const GpuModel& gpu, double bytes) { return bytes / (gpu.memory.bandwidth_gbs.value * 1e6); }
 
 double texel_bytes(const GpuModel& gpu, const PassWork& work) {
-  return work.texel_cyc * gpu.texture.new_texels_per_cyc.value * gpu.texture.texel_bytes.value;
+  return work.texel_cyc * gpu.texture.new_texels_per_cyc.value * gpu.texture.texel_bytes.value *
+         work.texel_share;
 }
 
 double rop_cycles(const GpuModel& gpu, const RopWork& work) {

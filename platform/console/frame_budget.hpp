@@ -49,6 +49,7 @@ struct PassWork {
   double fetches = 0;         // sum over executed lanes of texture fetches
   double fetch_cyc = 0;       // same, times filter and format cycles: bilinear 32-bit cycles
   double texel_cyc = 0;       // of fetch_cyc, those of covered pixels: only they bring new texels
+  double texel_share = 1;     // bytes of these texels, of those texture.texel_bytes says
   double vertices = 0;        // vertices shaded
   double vertex_words = 0;    // sum over vertices of issue words
   double triangles = 0;       // triangles reaching set-up
@@ -105,7 +106,7 @@ double rop_cycles(const GpuModel& gpu, const RopWork& work);
 double resolve_cycles(const GpuModel& gpu, double pixels);
 double milliseconds(const GpuModel& gpu, double cycles);
 double memory_ms(const GpuModel& gpu, double bytes);
-/// Texture traffic of a pass: texel_cyc * new_texels_per_cyc * texel_bytes (docs/cost_model.md, texture
+/// Texture traffic of a pass: texel_cyc * new_texels_per_cyc * texel_bytes * texel_share (docs/cost_model.md, texture
 /// cache).
 double texel_bytes(const GpuModel& gpu, const PassWork& work);
 

@@ -32,9 +32,11 @@ std::string short_name(const std::string& name, std::size_t most = 22) {
 }
 
 std::string filter_sentence(const StaticCost& cost) {
-  return cost.assumptions.filter == FilterAssumption::Trilinear
-             ? "8 bits a component, trilinear, no anisotropy, no cache misses"
-             : "8 bits a component, bilinear, no anisotropy, no cache misses";
+  const int probes = cost.assumptions.anisotropy;
+  return fmt::format(
+      "8 bits a component, {}, {}, no cache misses",
+      cost.assumptions.filter == FilterAssumption::Trilinear ? "trilinear" : "bilinear",
+      probes > 1 ? fmt::format("{} samples a fetch (the most its anisotropy allows)", probes) : "no anisotropy");
 }
 
 TextTable cost_table(const std::vector<StaticCost>& costs) {

@@ -53,8 +53,10 @@ void count_instructions(const vm::Program& program, const vm::Block& block, cons
     cost.tex_slots += texture_slots(program, instruction);
     if (is_texture(instruction.op)) {
       ++cost.fetches;
-      const bool volume = program.samplers[instruction.sampler].dimension == vm::SamplerDimension::Tex3D;
-      cost.fetch_cyc += filter * (volume ? gpu.texture.volume_cyc.value : 1.0);
+      const vm::SamplerDimension dimension = program.samplers[instruction.sampler].dimension;
+      const bool is_anisotropic = dimension == vm::SamplerDimension::Tex2D && instruction.op != Opcode::TexLod;
+      cost.fetch_cyc += filter * (is_anisotropic ? assumptions.anisotropy : 1) *
+                        (dimension == vm::SamplerDimension::Tex3D ? gpu.texture.volume_cyc.value : 1.0);
     }
   }
 }

@@ -26,6 +26,7 @@ enum class PairingRule : std::uint8_t {
 struct Assumptions {
   FilterAssumption filter = FilterAssumption::Bilinear;
   PairingRule pairing = PairingRule::Strict;
+  int anisotropy = 1;  // samples of every flat fetch that has derivatives: the most its sampler allows
 };
 
 /// One execution of one block by one lane. Index = block of vm::find_blocks(program).

@@ -42,7 +42,7 @@ std::string_view to_string(Pass pass) {
 }
 
 PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat& format,
-                                const console::GpuModel& gpu, cost::FilterAssumption filter) {
+                                const console::GpuModel& gpu, const cost::Assumptions& assumptions) {
   vm::Executable executable = vm::prepare(program, format);
   PixelProgram p{.program = std::move(program),
                  .executable = std::move(executable),
@@ -50,7 +50,7 @@ PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat&
                  .path = {},
                  .varyings = {},
                  .inputs = {}};
-  p.cost = cost::price(p.program, gpu, {.filter = filter});
+  p.cost = cost::price(p.program, gpu, assumptions);
   p.straight_line = p.program.straight_line();
   p.path = {p.program.name,
             whole(p.cost.alu_words),
@@ -161,7 +161,9 @@ class Permutations {
 
  private:
   std::pair<int, int> add(vm::Program pixel, vm::Program vertex, Pass pass) {
-    list_.pixel_programs.push_back(make_pixel_program(std::move(pixel), list_.format, list_.gpu));
+    list_.pixel_programs.push_back(make_pixel_program(
+        std::move(pixel), list_.format, list_.gpu,
+        {.filter = cost::FilterAssumption::Trilinear, .anisotropy = options_.anisotropy}));
     const vm::ConstantBank bank =
         vm::quantise_constants(list_.format, uniform_values(vertex, list_.uniforms, nullptr));
     list_.sanitised_constants += bank.sanitised;
@@ -217,19 +219,25 @@ const MapInfo* map_named(const std::string& sampler) {
   return nullptr;
 }
 
-void bind_samplers(const DrawList& list, DrawState& draw) {
+TextureUse use_of(const MapInfo& map) {
+  return map.srgb ? TextureUse::Color : &map == &kMaps[kNormalMap] ? TextureUse::Normal : TextureUse::Data;
+}
+
+void bind_samplers(const DrawList& list, int anisotropy, DrawState& draw) {
   const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
   for (const vm::SamplerSymbol& symbol : program.program.samplers) {
     vm::SamplerBinding binding;
     if (symbol.name == "shadow_map" && list.shadow_atlas) {
       binding = {list.shadow_atlas.get(), kPointSampler};
     } else if (symbol.name == "toksvig_map") {
-      binding = {list.toksvig->texture(*draw.material), sampler_state(draw.material->normal_map.sampler)};
+      binding = {list.toksvig->texture(*draw.material),
+                 sampler_state(draw.material->normal_map.sampler, anisotropy)};
     } else if (symbol.name == kMaps[kNormalMap].sampler && list.toksvig->mode() == ToksvigMode::Dxt5) {
-      binding = {list.toksvig->texture(*draw.material), sampler_state(draw.material->normal_map.sampler)};
+      binding = {list.toksvig->texture(*draw.material),
+                 sampler_state(draw.material->normal_map.sampler, anisotropy)};
     } else if (const MapInfo* map = map_named(symbol.name)) {
       const scenes::TextureSlot& slot = draw.material->*map->slot;
-      binding = {list.textures.find(slot.image, map->srgb), sampler_state(slot.sampler)};
+      binding = {list.textures.find(slot.image, use_of(*map)), sampler_state(slot.sampler, anisotropy)};
     }
     draw.samplers.push_back(binding);
   }
@@ -329,7 +337,10 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     draw.pass = pass_of(*draw.material, options.pipeline);
     if (dome_due && draw.surface == Surface::Blended) add_dome();  // behind what blends over it
     SurfaceFeatures features = features_of(*draw.material, mesh, true);
-    if (features.maps[kNormalMap]) features.toksvig = options.toksvig;
+    if (features.maps[kNormalMap]) {
+      features.toksvig = options.toksvig;
+      features.dxt5nm = options.textures == TextureStorage::Dxt && options.toksvig != ToksvigMode::Dxt5;
+    }
     std::tie(draw.pixel_program, draw.vertex_program) = permutations.programs_for(features, draw.pass);
     // What the forward pass draws over a lit G-buffer comes after it, whatever it is.
     const bool on_top = list.gbuffer_targets > 0 && draw.pass == Pass::Forward;
@@ -352,12 +363,12 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     for (const vm::SamplerSymbol& symbol :
          list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)].program.samplers)
       if (const MapInfo* map = map_named(symbol.name))
-        list.textures.want((draw.material->*map->slot).image, map->srgb);
+        list.textures.want((draw.material->*map->slot).image, use_of(*map));
   if (every_image)
     for (const scenes::Material& material : scene.materials)
-      for (const MapInfo& map : kMaps) list.textures.want((material.*map.slot).image, map.srgb);
-  list.textures.decode(scene);
-  for (DrawState& draw : list.draws) bind_samplers(list, draw);
+      for (const MapInfo& map : kMaps) list.textures.want((material.*map.slot).image, use_of(map));
+  list.textures.decode(scene, options.textures);
+  for (DrawState& draw : list.draws) bind_samplers(list, options.anisotropy, draw);
   if (!options.no_skip.contains("mesh_bounds")) mark_draws_outside(list);
   for (const PixelProgram& program : list.pixel_programs) choose_tier(program.executable, options.vm);
   for (const VertexProgram& program : list.vertex_programs) choose_tier(program.executable, options.vm);

@@ -45,10 +45,11 @@ struct PixelProgram {
   std::array<std::array<int, 4>, kMaxTargets> color_row{};
   bool straight_line = true;
 };
-/// filter: what its fetches are priced as; surfaces sample mipmapped textures, screen passes read one texel.
+/// assumptions: what its fetches are priced as; surfaces sample mipmapped textures, screen passes read one texel.
 PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat& format,
                                 const console::GpuModel& gpu,
-                                cost::FilterAssumption filter = cost::FilterAssumption::Trilinear);
+                                const cost::Assumptions& assumptions = {
+                                    .filter = cost::FilterAssumption::Trilinear});
 
 /// The passes of a frame, in the order they are reported.
 enum class Pass : std::uint8_t { Gbuffer, Sun, Lights, Dome, Forward };

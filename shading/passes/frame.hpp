@@ -66,6 +66,7 @@ struct Timing {  // milliseconds of wall time; the only part that varies
 
 struct Frame {
   int width = 0, height = 0;
+  double texel_share = 1;                // bytes of the textures as stored, of their bytes as RGBA8
   int samples = 1;                       // a pixel, before the resolve
   std::vector<std::uint8_t> rgba8;       // stored display values, 4 bytes a pixel, top left first
   std::vector<float> linear;             // RGBA linear light before tone map and clamp, 4 floats a pixel

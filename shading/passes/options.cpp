@@ -30,6 +30,9 @@ constexpr Choice<ToksvigMode> kToksvigModes[] = {{"off", ToksvigMode::Off},
                                                  {"texture", ToksvigMode::Texture},
                                                  {"dxt5", ToksvigMode::Dxt5},
                                                  {"material", ToksvigMode::Material}};
+constexpr Choice<TextureStorage> kTextureStorages[] = {{"rgba8", TextureStorage::Rgba8},
+                                                       {"dxt", TextureStorage::Dxt}};
+constexpr Choice<int> kAnisotropies[] = {{"1", 1}, {"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}};
 constexpr Choice<bool> kOnOff[] = {{"on", true}, {"off", false}};
 constexpr Choice<bool> kSwitches[] = {{"true", true}, {"false", false}};
 constexpr Choice<VmTier> kVmTiers[] = {{"auto", VmTier::Auto}, {"interpreter", VmTier::Interpreter}, {"jit", VmTier::Jit}};
@@ -182,6 +185,8 @@ const std::vector<OptionInfo>& option_table() {
       {"fresnel", "schlick|sg|sg-lagarde", "Fresnel term (schlick)"},
       {"toksvig", "off|texture|dxt5|material",
        "gloss filtered by the normal map, and where it is kept (off)"},
+      {"textures", "rgba8|dxt", "maps as the file has them, or through DXT1, DXT5 and DXT5nm (rgba8)"},
+      {"anisotropy", "1|2|4|8|16", "most samples a fetch takes along the longer axis of a pixel (1)"},
       {"shadows", "on|off", "shadow maps of directional and spot lights (off)"},
       {"tonemap", "none|reinhard|filmic", "tone map before display (none: clamp)"},
       {"number", "fx31|fx24|...|q16.16|ref64", "number format of the shader VM (fx31)"},
@@ -237,6 +242,10 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
     options.fresnel = *parsed;
   } else if (key == "toksvig") {
     options.toksvig = choose(key, value, kToksvigModes);
+  } else if (key == "textures") {
+    options.textures = choose(key, value, kTextureStorages);
+  } else if (key == "anisotropy") {
+    options.anisotropy = choose(key, value, kAnisotropies);
   } else if (key == "shadows") {
     options.shadows = choose(key, value, kOnOff);
   } else if (key == "tonemap") {
@@ -286,6 +295,7 @@ void set_options(FrameOptions& options, std::string_view assignments) {
 std::string_view to_string(Pipeline value) { return name_of(value, kPipelines); }
 std::string_view to_string(Tonemap value) { return name_of(value, kTonemaps); }
 std::string_view to_string(ToksvigMode value) { return name_of(value, kToksvigModes); }
+std::string_view to_string(TextureStorage value) { return name_of(value, kTextureStorages); }
 std::string_view to_string(LightLoop value) { return name_of(value, kLightLoops); }
 
 std::string ambient_text(const FrameOptions& options) {

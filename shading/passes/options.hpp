@@ -20,6 +20,7 @@ enum class Tonemap { None, Reinhard, Filmic };
 enum class AmbientKind { None, Flat, Sky, Hemisphere };
 enum class LightLoop { Auto, Rolled, Unrolled };  // Auto: unrolled up to kUnrolledLights lights
 enum class ToksvigMode { Off, Texture, Dxt5, Material };
+enum class TextureStorage { Rgba8, Dxt };
 enum class VmTier { Auto, Interpreter, Jit };
 
 /// Loops of up to this many lights are unrolled by default, as console-era engines did; beyond, 512 ps_3_0
@@ -58,6 +59,8 @@ struct FrameOptions {
   VmTier vm = VmTier::Auto;
   std::set<std::string, std::less<>> no_skip;
   ToksvigMode toksvig = ToksvigMode::Off;
+  TextureStorage textures = TextureStorage::Rgba8;
+  int anisotropy = 1;  // most samples a fetch of a surface's map takes along its longer axis
   bool shadows = false;
   bool checked = false;  // name every instruction that saturated
 
@@ -82,6 +85,7 @@ std::string_view to_string(Pipeline);
 std::string_view to_string(Tonemap);
 std::string_view to_string(LightLoop);
 std::string_view to_string(ToksvigMode);
+std::string_view to_string(TextureStorage);
 /// "flat:0.03", "sky", "hemisphere" or "none".
 std::string ambient_text(const FrameOptions& options);
 

@@ -33,6 +33,7 @@ std::string SurfaceFeatures::label() const {
   if (double_sided) add("double_sided");
   if (alpha_mask) add("alpha_mask");
   if (toksvig != ToksvigMode::Off) add("toksvig_" + std::string(to_string(toksvig)));
+  if (dxt5nm) add("dxt5nm");
   if (unlit) add("unlit");
   return text.empty() ? "plain" : text;
 }
@@ -55,6 +56,7 @@ Defines SurfaceFeatures::defines() const {
   flag("SPECULAR_GLOSSINESS", specular_glossiness);
   flag("ALPHA_MASK", alpha_mask);
   flag("NORMAL_SCALE", normal_scale);
+  flag("NORMAL_DXT5NM", dxt5nm);
   return d;
 }
 

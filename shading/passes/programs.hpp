@@ -44,6 +44,7 @@ struct SurfaceFeatures {
   bool uv_transforms = false, vertex_color = false, double_sided = false, unlit = false;
   ToksvigMode toksvig = ToksvigMode::Off;  // where there is a normal map
   bool specular_glossiness = false, alpha_mask = false, normal_scale = false;
+  bool dxt5nm = false;  // the normal map has x in alpha, y in green and no z
 
   bool has_uv() const;
   std::string label() const;  // "base_color+normal, double sided"

@@ -135,6 +135,7 @@ Frame Renderer::draw(Frame recycled) {
   const raster::Frame& raster_frame = prepared_.raster_frame;
   const raster::SetupCounters& setup = raster_frame.counters();
   frame.passes = pass_totals(prepared_, bill, options_.width, options_.height);
+  frame.texel_share = list.textures.share();
   frame.skipped = {
       {"frustum", setup.frustum},
       {"facing", setup.facing},

@@ -223,7 +223,7 @@ DrawList caster_list(const DrawList& main, const scenes::View& view) {
     for (const vm::SamplerSymbol& symbol : program.program.samplers)
       if (symbol.name == kMaps[kBaseColorMap].sampler) {
         const scenes::TextureSlot& slot = draw.material->base_color_map;
-        draw.samplers.push_back({main.textures.find(slot.image, true), sampler_state(slot.sampler)});
+        draw.samplers.push_back({main.textures.find(slot.image, TextureUse::Color), sampler_state(slot.sampler)});
       }
     draw.first_vertex = list.vertex_count;
     draw.first_varying = list.varying_count;

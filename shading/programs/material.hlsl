@@ -22,7 +22,7 @@ sampler2D specular_glossiness_map;     // rgb sRGB specular, A gloss
 #define TOKSVIG_DXT5 2
 #define TOKSVIG_MATERIAL 3
 #if HAS_NORMAL_MAP
-sampler2D normal_map;                  // TOKSVIG_DXT5: filtered gloss in R, y in G, x in A
+sampler2D normal_map;                  // NORMAL_DXT5NM: y in G, x in A; TOKSVIG_DXT5: the same, filtered gloss in R
 #if TOKSVIG == TOKSVIG_TEXTURE
 sampler2D toksvig_map;                 // R: Toksvig's factor for power 100
 #elif TOKSVIG == TOKSVIG_MATERIAL
@@ -69,7 +69,7 @@ float2 map_uv(Interpolants i, int map, int set) {
 
 float3 surface_normal(Interpolants i) {
 #if HAS_NORMAL_MAP
-#if TOKSVIG == TOKSVIG_DXT5
+#if TOKSVIG == TOKSVIG_DXT5 || NORMAL_DXT5NM
   float3 t;
   t.xy = tex2D(normal_map, map_uv(i, 3, NORMAL_UV_SET)).ag * 2.0 - 1.0;
   t.z = sqrt(saturate(1.0 - dot(t.xy, t.xy)));

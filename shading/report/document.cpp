@@ -249,6 +249,9 @@ std::string canonical_command(const std::string& verb, const Origin& origin) {
     if (o.polarizer != glm::dvec3(1.0))
       text += fmt::format(" --polarizer {},{},{}", o.polarizer.r, o.polarizer.g, o.polarizer.b);
   }
+  if (o.textures != passes::TextureStorage::Rgba8)
+    text += fmt::format(" --textures {}", passes::to_string(o.textures));
+  if (o.anisotropy > 1) text += fmt::format(" --anisotropy {}", o.anisotropy);
   if (o.toksvig != passes::ToksvigMode::Off)
     text += fmt::format(" --toksvig {}", passes::to_string(o.toksvig));
   if (o.shadows) text += " --shadows on";

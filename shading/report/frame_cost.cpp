@@ -18,6 +18,7 @@ std::vector<console::PassWork> pass_work(const passes::Frame& frame, const conso
     const double lanes = work.pixels + work.helper_lanes;
     work.texel_cyc =
         lanes > 0 ? (work.fetch_cyc - static_cast<double>(pass.streamed_cyc)) * work.pixels / lanes : 0;
+    work.texel_share = frame.texel_share;
     work.vertices = static_cast<double>(pass.vertices);
     work.vertex_words = static_cast<double>(pass.vertex_words);
     work.triangles = static_cast<double>(pass.triangles);

@@ -15,6 +15,7 @@ TEST(Options, EveryListedNameCanBeSet) {
       {"polarizer", "0.5,0.8,1"}, {"background", "0,0.5,1"},
       {"pipeline", "deferred"},   {"visibility", "cheap"},
       {"fresnel", "sg"},          {"toksvig", "dxt5"},
+      {"textures", "dxt"},        {"anisotropy", "8"},
       {"shadows", "on"},          {"tonemap", "reinhard"},
       {"number", "fx28"},         {"platform", "rsx"},
       {"shader", "a.hlsl"},       {"light-loop", "rolled"},
@@ -40,7 +41,7 @@ TEST(Options, NonsenseIsRefused) {
   FrameOptions options;
   for (const char* text : {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000",
                            "ambient=flat:nan", "ambient=flat:-1", "lights=rig:2.5", "background=2,0,0",
-                           "D=1A", "number=fx", "sky=16", "time=24:00", "sun=91,0", "polarizer=1,2", "shadows=maybe", "no-skip=everything", "nothing=1", "checked=maybe"})
+                           "D=1A", "number=fx", "sky=16", "time=24:00", "sun=91,0", "polarizer=1,2", "shadows=maybe", "textures=png", "anisotropy=3", "no-skip=everything", "nothing=1", "checked=maybe"})
     EXPECT_THROW(set_options(options, text), UserError) << text;
 }
 
