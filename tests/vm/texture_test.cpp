@@ -162,6 +162,23 @@ TEST(LevelOfDetail, IsLog2OfTexelsPerPixel) {
   EXPECT_GT(level_of_detail(1e300, 0, 0, 0, 64, 64), 256 * 20);
 }
 
+TEST(LevelOfDetail, IsOneLevelOverAConstantGradientWherever) {
+  // Coordinates as a plane gives them, far from the origin too: every quad of the batch has the same level.
+  std::vector<std::uint8_t> rgba;
+  for (int i = 0; i < 64 * 64; ++i) rgba.insert(rgba.end(), 4, static_cast<std::uint8_t>(i % 64));
+  const Texture t = Texture::from_rgba8(64, 64, rgba, false, true);
+  for (const double base : {0.0, 1000.0, -65536.0}) {
+    std::vector<std::array<double, 3>> lanes, levels;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int q = lane / 4, x = q % 4 * 2 + lane % 2, y = q / 4 * 2 + lane / 2 % 2;
+      lanes.push_back({base + 3.0 / 64 * x, base + 2.5 / 64 * y, 0});
+      levels.push_back({lanes.back()[0], lanes.back()[1], std::log2(3.0)});
+    }
+    Fetched implicit = sample(t, SamplerState{}, Opcode::Tex, lanes), given = sample(t, SamplerState{}, Opcode::TexLod, levels);
+    for (int lane = 0; lane < kLanes; ++lane) EXPECT_EQ(implicit.texels.at(0, lane), given.texels.at(0, lane)) << lane;
+  }
+}
+
 TEST(LevelOfDetail, ChoosesLevelsAndWeights) {
   SamplerState s;
   s.magnify = Filter::Point;
