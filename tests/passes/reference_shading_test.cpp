@@ -46,8 +46,11 @@ Texels fetch_map(const PreparedFrame& prepared, const DrawState& draw, const Map
   vm::FetchRequest request;
   request.rows = {u.data(), v.data()};
   request.exec = request.covered = ~std::uint64_t{0};
+  const TextureUse use = map.srgb                        ? TextureUse::Color
+                         : &map == &kMaps[kNormalMap] ? TextureUse::Normal
+                                                      : TextureUse::Data;
   vm::fetch_reference(
-      {prepared.list.textures.find(slot.image, map.srgb), sampler_state(slot.sampler)}, request, false,
+      {prepared.list.textures.find(slot.image, use), sampler_state(slot.sampler)}, request, false,
       number::parse_number_format("fx31")->unit_grid(),
       {texels.rows[0].data(), texels.rows[1].data(), texels.rows[2].data(), texels.rows[3].data()});
   return texels;
