@@ -61,9 +61,11 @@ struct alignas(64) SmallGroup {
   std::uint32_t single;  // bounds of one pixel
   std::uint32_t hidden;  // behind everything in the tile
   SmallRecord small[kSmallGroup];
-  double slope_x[kSmallGroup], slope_y[kSmallGroup];       // depth_slope before truncation
+  alignas(64) double slope_x[kSmallGroup], slope_y[kSmallGroup];  // depth_slope before truncation
   std::int32_t dx0[kSmallGroup], dy0[kSmallGroup], dx2[kSmallGroup], dy2[kSmallGroup], dz1[kSmallGroup], dz2[kSmallGroup];
 };
+static_assert(offsetof(SmallGroup, slope_x) % 64 == 0 && offsetof(SmallGroup, slope_y) % 64 == 0 && offsetof(SmallGroup, dx0) % 32 == 0,
+              "whole vectors are stored to each");
 
 /// Bounds, edges and masks of kCornerLanes records from `first` on.
 HWY_INLINE void prepare_edges(const TileMemory& tile, bool tile_hiz, std::size_t first, SmallGroup& group) {
