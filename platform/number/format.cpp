@@ -35,6 +35,7 @@ Grid NumberFormat::grid(int f) const {
 
 std::optional<NumberFormat> parse_number_format(std::string_view name) {
   if (name == "ref64") return NumberFormat{"ref64", Kind::Reference, 0, 0};
+  if (name == "auto") return NumberFormat{"auto", Kind::Fixed, NumberFormat{}.frac_bits, 0, true};
   if (name.starts_with("fx")) {
     const int f = parse_count(name.substr(2));
     if (f < 20 || f > 40) return std::nullopt;
@@ -51,7 +52,7 @@ std::optional<NumberFormat> parse_number_format(std::string_view name) {
 }
 
 std::string_view number_format_names() {
-  return "fx20..fx40 (default fx31), qI.F with I + F <= 32 (q16.16, q12.20, q8.24), ref64";
+  return "fx20..fx40 (default fx31), auto (fx31 on finer grids where proven), qI.F with I + F <= 32 (q16.16, q12.20, q8.24), ref64";
 }
 
 }  // namespace aluminate::number

@@ -1,5 +1,5 @@
 // A number format: the grid and the range every register value lies on.
-//   in   a name a user typed: "fx31", "q16.16", "ref64"
+//   in   a name a user typed: "fx31", "auto", "q16.16", "ref64"
 //   out  constants of the arithmetic in platform/number/scalar.hpp
 //   never touches a value itself, never allocates after parsing.
 // Exact definitions: docs/number_formats.md.
@@ -54,6 +54,7 @@ struct NumberFormat {
   Kind kind = Kind::Fixed;
   int frac_bits = 31;  // N of fxN, F of qI.F; 0 for ref64
   int int_bits = 0;    // I of qI.F, sign included; 0 otherwise
+  bool finest = false; // auto: fx31 whose instructions round to the finest grid that range analysis allows, f <= 50
 
   /// Grid of a result with the given fraction bits. Saturating and Reference formats have one grid: the argument is
   /// ignored there. Fixed: 0 <= f <= 50.
@@ -66,10 +67,10 @@ struct NumberFormat {
   bool operator==(const NumberFormat&) const = default;
 };
 
-/// fx20 .. fx40, qI.F with 2 <= I (1 must be in range), 0 <= F, I + F <= 32, ref64. Lower case. nullopt: not a format.
+/// fx20 .. fx40, auto, qI.F with 2 <= I (1 must be in range), 0 <= F, I + F <= 32, ref64. Lower case. nullopt: not a format.
 std::optional<NumberFormat> parse_number_format(std::string_view name);
 
-/// For help texts and hints: "fx20..fx40 (default fx31), qI.F with I + F <= 32 (q16.16, q12.20, q8.24), ref64".
+/// For help texts and hints: "fx20..fx40 (default fx31), auto (fx31 on finer grids where proven), qI.F with I + F <= 32 (q16.16, q12.20, q8.24), ref64".
 std::string_view number_format_names();
 
 }  // namespace aluminate::number

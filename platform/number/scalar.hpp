@@ -53,7 +53,7 @@ enum class AddForm : unsigned char {
   Plain,     // both operands on the result's grid (or coarser): a + b is exact, or out of range
   RoundA,    // a is finer, b on the grid: ((b + M) + a) - M
   RoundB,    // b is finer, a on the grid: ((a + M) + b) - M
-  RoundSum,  // both finer: ((a + b) + M) - M; a + b is exact when their grids are equal, as they always are in fxN
+  RoundSum,  // both finer: ((a + b) + M) - M; a + b is exact when their grids are equal, as they are but in auto
 };
 inline AddForm add_form(int result_frac_bits, int a_frac_bits, int b_frac_bits) {
   const bool a_finer = a_frac_bits > result_frac_bits, b_finer = b_frac_bits > result_frac_bits;

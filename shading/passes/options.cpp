@@ -252,7 +252,7 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
     options.tonemap = choose(key, value, kTonemaps);
   } else if (key == "number") {
     if (!number::parse_number_format(value))
-      refuse(key, value, "a number format: fx31, fx24, q16.16, q12.20, q8.24, ref64, ...");
+      refuse(key, value, "a number format: fx31, auto, fx24, q16.16, q12.20, q8.24, ref64, ...");
     options.number = value;
   } else if (key == "platform") {
     options.platform = value;

@@ -97,6 +97,7 @@ struct Decoded {
   std::vector<RowBinding> inputs, outputs;
   std::vector<std::uint32_t> output_rows;       // row offset of each output
   std::vector<std::uint32_t> zero_rows;         // row offsets cleared before the first instruction
+  std::vector<std::uint8_t> frac_bits;          // per instruction of the program: f of the grid it rounds to
   std::vector<number::Grid> grids;              // Operation::grid points in here
   std::vector<double> literals;                 // quantised, 4 per register
   std::vector<Operation> operations;

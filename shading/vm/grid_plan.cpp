@@ -25,11 +25,12 @@ std::uint8_t frac_bits_of(double value) {
 
 }  // namespace
 
-int GridPlan::source_frac_bits(const Source& source, int position) const {
+int GridPlan::source_frac_bits(const Program& program, std::size_t instruction, std::size_t which, int position) const {
+  const Source& source = program.code[instruction].src[which];
   if (format.kind == number::Kind::Reference) return 0;
   const std::size_t component = source.swizzle[static_cast<std::size_t>(position)];
   switch (source.file) {
-    case RegisterFile::Temp: return temps[source.index][component];
+    case RegisterFile::Temp: return web_frac_bits[webs.read[instruction][which][component]];
     case RegisterFile::Literal: {
       const std::size_t registers = source.relative.base == RelativeBase::None ? 1 : source.relative.limit;
       int finest = 0;
@@ -42,13 +43,13 @@ int GridPlan::source_frac_bits(const Source& source, int position) const {
   }
 }
 
-double GridPlan::operand_step(const Source& source, int position) const {
-  return format.grid(std::max(source_frac_bits(source, position), format.frac_bits)).step;
+double GridPlan::operand_step(const Program& program, std::size_t instruction, int position) const {
+  return format.grid(std::max(source_frac_bits(program, instruction, 0, position), format.frac_bits)).step;
 }
 
 int GridPlan::result_frac_bits(const Program& program, std::size_t index, int component) const {
   const Instruction& i = program.code[index];
-  const auto source = [&](std::size_t s) { return source_frac_bits(i.src[s], component); };
+  const auto source = [&](std::size_t s) { return source_frac_bits(program, index, s, component); };
   switch (i.op) {
     case Opcode::Mov:
     case Opcode::Frc: return source(0);
@@ -67,13 +68,20 @@ int GridPlan::result_frac_bits(const Program& program, std::size_t index, int co
   }
 }
 
-GridPlan plan_grids(const Program& program, const number::NumberFormat& format) {
+std::vector<std::uint8_t> default_frac_bits(const Program& program, const number::NumberFormat& format) {
+  std::vector<std::uint8_t> bits;
+  bits.reserve(program.code.size());
+  for (const Instruction& i : program.code)
+    bits.push_back(static_cast<std::uint8_t>(format.has_unit_grid() && bounded_by_one(i) ? number::kUnitFracBits
+                                                                                         : format.frac_bits));
+  return bits;
+}
+
+GridPlan plan_grids(const Program& program, const number::NumberFormat& format, std::vector<std::uint8_t> frac_bits) {
   GridPlan plan;
   plan.format = format;
-  plan.frac_bits.reserve(program.code.size());
-  for (const Instruction& i : program.code)
-    plan.frac_bits.push_back(static_cast<std::uint8_t>(
-        format.has_unit_grid() && bounded_by_one(i) ? number::kUnitFracBits : format.frac_bits));
+  plan.frac_bits = std::move(frac_bits);
+  plan.webs = find_value_webs(program);
 
   for (const auto& literal : program.literals) {
     auto& value = plan.literals.emplace_back();
@@ -84,18 +92,22 @@ GridPlan plan_grids(const Program& program, const number::NumberFormat& format) 
       bits[c] = format.kind == number::Kind::Reference ? 0 : frac_bits_of(value[c]);
     }
   }
+  follow_grids(program, plan);
+  return plan;
+}
 
-  // Finest grid written to each component: repeated until nothing changes, because Mov and its like pass grids on.
+void follow_grids(const Program& program, GridPlan& plan) {
+  // Finest grid written to each web: repeated until nothing changes, because Mov and its like pass grids on.
   // Grids only grow finer and are bounded, so this ends.
-  plan.temps.assign(static_cast<std::size_t>(program.temp_count), {0, 0, 0, 0});
-  for (bool changed = format.kind != number::Kind::Reference; changed;) {
+  plan.web_frac_bits.assign(plan.webs.count, 0);
+  for (bool changed = plan.format.kind != number::Kind::Reference; changed;) {
     changed = false;
     for (std::size_t index = 0; index < program.code.size(); ++index) {
       const Instruction& i = program.code[index];
       if (i.dst.mask == 0 || i.dst.file != RegisterFile::Temp) continue;
       for (int c = 0; c < 4; ++c) {
         if ((i.dst.mask >> c & 1) == 0) continue;
-        auto& known = plan.temps[i.dst.index][static_cast<std::size_t>(c)];
+        auto& known = plan.web_frac_bits[plan.webs.written[index][static_cast<std::size_t>(c)]];
         const int written = plan.result_frac_bits(program, index, c);
         if (written > known) {
           known = static_cast<std::uint8_t>(written);
@@ -104,7 +116,6 @@ GridPlan plan_grids(const Program& program, const number::NumberFormat& format) 
       }
     }
   }
-  return plan;
 }
 
 }  // namespace aluminate::vm

@@ -6,6 +6,7 @@
 
 #include "platform/host/error.hpp"
 #include "platform/number/scalar.hpp"
+#include "shading/vm/auto_grids.hpp"
 #include "shading/vm/decoded.hpp"
 #include "shading/vm/grid_plan.hpp"
 #include "shading/vm/operands.hpp"
@@ -25,12 +26,11 @@ struct Resolved {
 
 class Decoder {
  public:
-  Decoder(const Program& program, const number::NumberFormat& format)
-      : program_(program),
-        plan_(plan_grids(program, format)),
-        liveness_(find_liveness(program)),
-        map_(map_rows(liveness_)) {
+  Decoder(const Program& program, const GridPlan& plan, const Liveness& liveness)
+      : program_(program), plan_(plan), liveness_(liveness), map_(map_rows(liveness_)) {
+    const number::NumberFormat& format = plan.format;
     out_.format = format;
+    out_.frac_bits = plan.frac_bits;
     out_.input_grid = format.default_grid();
     out_.loop_value_limit = std::floor(out_.input_grid.greatest);
     out_.instruction_count = program.code.size();
@@ -250,8 +250,8 @@ class Decoder {
     Resolved a = resolve(0, component), b = resolve(1, component);
     const int position = static_cast<int>(component);
     const number::AddForm form =
-        number::add_form(plan_.frac_bits[index_], plan_.source_frac_bits(now_->src[0], position),
-                         plan_.source_frac_bits(now_->src[1], position));
+        number::add_form(plan_.frac_bits[index_], plan_.source_frac_bits(program_, index_, 0, position),
+                         plan_.source_frac_bits(program_, index_, 1, position));
     Operation op = begin_rounded(Kernel::Add, dst);
     if (form == number::AddForm::Plain) {
       if (a.negate && !b.negate) std::swap(a, b);
@@ -326,7 +326,7 @@ class Decoder {
     op.dst = dst;
     op.post = Post::Range;
     op.grid = grid(!now_->saturate);
-    op.operand_step = plan_.operand_step(now_->src[0], static_cast<int>(position));
+    op.operand_step = plan_.operand_step(program_, index_, static_cast<int>(position));
     op.src[0] = in_row(resolve_plain(0, position));
     push(op, 0);
     if (now_->saturate) push_in_place(Kernel::Saturate, dst);
@@ -546,8 +546,8 @@ class Decoder {
   }
 
   const Program& program_;
-  GridPlan plan_;
-  Liveness liveness_;
+  const GridPlan& plan_;
+  const Liveness& liveness_;
   RowMap map_;
   Decoded out_;
   std::vector<std::array<std::uint32_t, 4>> input_offsets_;
@@ -561,7 +561,12 @@ class Decoder {
 
 Executable prepare(const Program& program, const number::NumberFormat& format) {
   validate(program);
-  return Executable(std::make_shared<const Decoded>(Decoder(program, format).decode()));
+  const Liveness liveness = find_liveness(program);
+  GridPlan plan = plan_grids(program, format, default_frac_bits(program, format));
+  const auto decode = [&](const GridPlan& grids) { return Decoder(program, grids, liveness).decode(); };
+  Decoded decoded = decode(plan);
+  if (format.finest) decoded = refine_grids(program, plan, std::move(decoded), decode);
+  return Executable(std::make_shared<const Decoded>(std::move(decoded)));
 }
 
 }  // namespace aluminate::vm

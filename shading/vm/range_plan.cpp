@@ -16,6 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Bounds are computed in rounded binary64 arithmetic and the operations themselves round too: every interval is made
 // wider by far more than both.
 constexpr double kSlack = 0x1p-40;
+// The polynomials of exp and log err by more (docs/number_formats.md, Functions: 2^-34.3 relative, 2^-38.8 absolute).
+constexpr double kExpSlack = 0x1p-33, kLogSlack = 0x1p-37;
 
 // |a_i| / sqrt(max(a.a, c)) as the machine computes it. The dot product is rounded to its grid in up to four
 // steps of half a unit s, so a_i^2 <= S + 2 s. rsq takes M = max(S, c, its own least operand): the product is
@@ -49,8 +51,9 @@ using Name = int;
 
 class Planner {
  public:
-  Planner(const Decoded& decoded, Assume assume)
+  Planner(const Decoded& decoded, Assume assume, SquaredLength lengths)
       : d_(decoded),
+        lengths_(lengths),
         format_{decoded.input_grid.least, decoded.input_grid.greatest},
         rows_(static_cast<std::size_t>(decoded.row_count), kNone),
         names_(rows_.size(), 0) {
@@ -151,7 +154,7 @@ class Planner {
       const double size = magnitude(of(vector));
       // Where the sum was clamped it is too small, and the quotient greater by that much.
       double bound = normalised_bound(sum.step, sum.least, sum.root_step, op.grid->step, size);
-      if (!sum.in_range) bound = std::max(bound, 2 * size / std::sqrt(sum.greatest));
+      if (!sum.in_range && lengths_ == SquaredLength::MaySaturate) bound = std::max(bound, 2 * size / std::sqrt(sum.greatest));
       result = {std::max(result.least, -bound), std::min(result.greatest, bound)};
     }
     return result;
@@ -192,11 +195,11 @@ class Planner {
       case Kernel::Sqrt: return {std::sqrt(std::max(a.least, 0.0)), std::sqrt(std::max(a.greatest, 0.0))};
       case Kernel::Exp:
       case Kernel::ExpReference:
-        return {number::exp2(reference_, std::clamp(a.least, op.grid->exp2_least, op.grid->exp2_greatest)),
-                number::exp2(reference_, std::clamp(a.greatest, op.grid->exp2_least, op.grid->exp2_greatest))};
+        return {(1 - kExpSlack) * number::exp2(reference_, std::clamp(a.least, op.grid->exp2_least, op.grid->exp2_greatest)),
+                (1 + kExpSlack) * number::exp2(reference_, std::clamp(a.greatest, op.grid->exp2_least, op.grid->exp2_greatest))};
       case Kernel::Log:
       case Kernel::LogReference:
-        return {number::log2(reference_, op.operand_step, a.least) - kSlack, number::log2(reference_, op.operand_step, a.greatest) + kSlack};
+        return {number::log2(reference_, op.operand_step, a.least) - kLogSlack, number::log2(reference_, op.operand_step, a.greatest) + kLogSlack};
       case Kernel::Sin:
       case Kernel::Cos: return {-1, 1};
       case Kernel::Add:
@@ -303,6 +306,32 @@ class Planner {
     }
   }
 
+  // Sums are rounded as they grow: no part may be beyond the range where M rounds to the grid.
+  double greatest_part(const Operation& op) {
+    const auto terms = [&](int count) {
+      double sum = 0;
+      for (int t = 0; t < count; ++t) sum += magnitude(product(op, 2 * t, 2 * t + 1));
+      return sum;
+    };
+    switch (op.kernel) {
+      case Kernel::Add:
+      case Kernel::AddRound:
+      case Kernel::AddRoundSum:
+      case Kernel::Sub: return std::max(magnitude(of(op.src[0])), magnitude(of(op.src[1])));
+      case Kernel::Mad:
+      case Kernel::NegMad:
+      case Kernel::MadNegC:
+      case Kernel::NegMadNegC: return magnitude(of(op.src[2]));
+      case Kernel::Dot2:
+      case Kernel::NegDot2: return terms(2) + magnitude(of(op.src[4]));
+      case Kernel::Dot3:
+      case Kernel::NegDot3: return terms(3);
+      case Kernel::Dot4:
+      case Kernel::NegDot4: return terms(4);
+      default: return 0;
+    }
+  }
+
   void visit(std::uint32_t index) {
     const Operation& op = d_.operations[index];
     OperationRange& known = plan_.operations[index];
@@ -317,7 +346,10 @@ class Planner {
     if (!writes_row(op)) return;
 
     Interval result = result_of(op, a);
-    if (!is_exact(op.kernel)) result = unslacken(op, a, rounded(op, result));
+    if (!is_exact(op.kernel)) {
+      result = unslacken(op, a, rounded(op, result));
+      known.reach = std::max(magnitude(result), greatest_part(op));
+    }
     known.result = result;
     known.never_minus_zero = never_minus_zero(op.kernel, a);
     if (op.post == Post::Saturate) {
@@ -377,6 +409,7 @@ class Planner {
   };
 
   const Decoded& d_;
+  SquaredLength lengths_;
   Interval format_;
   const number::Grid reference_ = number::parse_number_format("ref64")->default_grid();
   std::vector<Interval> rows_;
@@ -390,6 +423,8 @@ class Planner {
 
 }  // namespace
 
-RangePlan plan_ranges(const Decoded& decoded, Assume assume) { return Planner(decoded, assume).plan(); }
+RangePlan plan_ranges(const Decoded& decoded, Assume assume, SquaredLength lengths) {
+  return Planner(decoded, assume, lengths).plan();
+}
 
 }  // namespace aluminate::vm

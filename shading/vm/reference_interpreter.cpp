@@ -5,6 +5,7 @@
 
 #include "platform/host/error.hpp"
 #include "platform/number/scalar.hpp"
+#include "shading/vm/decoded.hpp"
 #include "shading/vm/grid_plan.hpp"
 #include "shading/vm/liveness.hpp"
 #include "shading/vm/operands.hpp"
@@ -78,8 +79,8 @@ struct Machine {
     switch (i.op) {
       case Opcode::Mov: return source(0);
       case Opcode::Add:
-        return number::add(g, number::add_form(plan.frac_bits[index], plan.source_frac_bits(i.src[0], position),
-                                               plan.source_frac_bits(i.src[1], position)),
+        return number::add(g, number::add_form(plan.frac_bits[index], plan.source_frac_bits(program, index, 0, position),
+                                               plan.source_frac_bits(program, index, 1, position)),
                            source(0), source(1));
       case Opcode::Mul: return number::mul(g, source(0), source(1));
       case Opcode::Mad: return number::mad(g, source(0), source(1), source(2));
@@ -99,10 +100,10 @@ struct Machine {
       case Opcode::Dp3: return dot(3, 0);
       case Opcode::Dp4: return dot(4, 0);
       case Opcode::Rcp: return number::rcp(g, source(0));
-      case Opcode::Rsq: return number::rsq(g, plan.operand_step(i.src[0], 0), source(0));
+      case Opcode::Rsq: return number::rsq(g, plan.operand_step(program, index, 0), source(0));
       case Opcode::Sqrt: return number::sqrt(g, source(0));
       case Opcode::Exp: return number::exp2(g, source(0));
-      case Opcode::Log: return number::log2(g, plan.operand_step(i.src[0], 0), source(0));
+      case Opcode::Log: return number::log2(g, plan.operand_step(program, index, 0), source(0));
       case Opcode::Sin: return number::sin(g, source(0));
       case Opcode::Cos: return number::cos(g, source(0));
       case Opcode::DsX: return difference(1);
@@ -299,7 +300,7 @@ struct Machine {
 }  // namespace
 
 void run_reference(const Program& program, const Executable& executable, Batch& batch, Counters& counters, Trace* trace) {
-  Machine machine{program, executable, batch, counters, trace, plan_grids(program, executable.format()),
+  Machine machine{program, executable, batch, counters, trace, plan_grids(program, executable.format(), executable.decoded().frac_bits),
                   find_liveness(program).live_mask, {}, {}, {}, {}, {}, {}};
   machine.block_of.resize(program.code.size());
   const std::vector<Block> blocks = find_blocks(program);

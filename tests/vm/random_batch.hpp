@@ -8,7 +8,7 @@
 
 namespace aluminate::vm::testing {
 
-inline constexpr const char* kFormats[] = {"fx31", "fx24", "fx40", "fx20", "q16.16", "q8.24", "q12.20", "ref64"};
+inline constexpr const char* kFormats[] = {"fx31", "auto", "fx24", "fx40", "fx20", "q16.16", "q8.24", "q12.20", "ref64"};
 
 inline const Texture& random_texture(SamplerDimension dimension, bool srgb) {
   static const auto make = [](SamplerDimension d, bool is_srgb) {
