@@ -1,6 +1,6 @@
 // How robust is the search for the chart? Random photographs of a chart, with a known answer: any turn,
 // perspective, size, exposure, colour cast, tone curve, noise, blur and uneven light; and photographs without
-// a whole chart. `chart_study [COUNT]` prints how many were found rightly, wrongly and not at all, and what
+// a whole chart. `chart_study COUNT` (100 without it) prints how many were found rightly, wrongly and not at all, and what
 // the missed ones had in common. The figures in docs/calibration.md come from here.
 #include <fmt/format.h>
 
