@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
+#include <variant>
 
 #include "calibration/calibration_files.hpp"
 #include "calibration/polarised.hpp"
@@ -36,7 +38,9 @@ Loaded load(const std::string& path, const CalibrationOptions& options) {
     loaded.photo = demosaic(mosaic_of_grey(host::decode_float(bytes, path), options.bayer, path),
                             "Bayer mosaic " + options.bayer);
   } else {
-    loaded.photo = photo_of(host::decode_float(bytes, path), options.input_encoding, path);
+    loaded.photo =
+        std::visit([&](const auto& image) { return photo_of(image, options.input_encoding, path); },
+                   host::decode_stored(bytes, path));
   }
   return loaded;
 }
@@ -139,10 +143,15 @@ Calibration calibrate(const std::string& photo_path, const CalibrationOptions& o
 
   ReportPictures pictures;
   if (report != nullptr) pictures.before = thumbnail(photo);
+  const auto to = [](host::OutputFile& file) {
+    return [&file](std::span<const std::uint8_t> bytes) { file.write(bytes); };
+  };
   if (specular_file != nullptr)
-    specular_file->write(encode_corrected(calibrated_specular(photo, std::move(*specular), transform),
-                                          outputs.specular, options.format));
-  result.counts = correct_photo(photo, transform);
+    write_corrected(calibrated_specular(photo, std::move(*specular), transform), outputs.specular,
+                    options.format, to(*specular_file));
+  result.counts = image != nullptr
+                      ? correct_and_write(photo, transform, outputs.image, options.format, to(*image))
+                      : correct_photo(photo, transform);
   result.warnings = warnings_of(result);
   if (report != nullptr) {
     pictures.after = thumbnail(photo);
@@ -152,7 +161,6 @@ Calibration calibrate(const std::string& photo_path, const CalibrationOptions& o
     else
       report->write(report_png(result, pictures));
   }
-  if (image != nullptr) image->write(encode_corrected(photo, outputs.image, options.format));
   if (json != nullptr) json->write(calibration_json(result, command));
   if (cube != nullptr)
     cube->write(cube_text(transform, options.cube_size, fs::path(photo_path).filename().string()));

@@ -6,30 +6,56 @@
 #include <vector>
 
 #include "calibration/find_chart.hpp"
+#include "calibration/patch_grid.hpp"
 #include "platform/host/error.hpp"
 
 namespace aluminate::calibration {
 namespace {
 
-// Bilinear, cube-rooted: like lightness, so that dark patches have a say.
-Colour lightness_at(const Photo& photo, const Point& p) {
-  const double px = std::clamp(p.x, 0.0, photo.width - 1.0), py = std::clamp(p.y, 0.0, photo.height - 1.0);
-  const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
-  const int x1 = std::min(x0 + 1, photo.width - 1), y1 = std::min(y0 + 1, photo.height - 1);
-  const double fx = px - x0, fy = py - y0;
-  Colour colour{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double linear = (1 - fy) * ((1 - fx) * static_cast<double>(photo.pixel(x0, y0)[c]) +
-                                      fx * static_cast<double>(photo.pixel(x1, y0)[c])) +
-                          fy * ((1 - fx) * static_cast<double>(photo.pixel(x0, y1)[c]) +
-                                fx * static_cast<double>(photo.pixel(x1, y1)[c]));
-    colour[c] = std::cbrt(std::max(linear, 0.0));
+// The chart and its surroundings, patches at most 48 px apart: larger ones are averaged, which quiets their
+// noise and makes the work independent of the photograph's size. A step of the searches below, a hundredth of
+// a patch, is then half a pixel.
+constexpr double kViewPitch = 48.0;
+
+SmallPicture view_of(const Photo& photo, const Corners& corners) {
+  const double pitch = patch_pitch_px(corners), margin = 2.0 * pitch;
+  double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+  for (const Point& p : corners) {
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    top = std::min(top, p.y);
+    bottom = std::max(bottom, p.y);
   }
+  const auto px = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  return scaled_part(photo, std::min(1.0, kViewPitch / pitch), px(left - margin, photo.width),
+                     px(top - margin, photo.height), px(right + margin, photo.width),
+                     px(bottom + margin, photo.height));
+}
+
+Corners in_view(const SmallPicture& view, Corners corners) {
+  for (Point& p : corners) p = view.from_photo(p);
+  return corners;
+}
+
+// Bilinear. Lightness and not light, so that dark patches have a say.
+Colour lightness_at(const SmallPicture& view, const Point& p) {
+  const double px = std::clamp(p.x, 0.0, view.width - 1.0), py = std::clamp(p.y, 0.0, view.height - 1.0);
+  const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
+  const int x1 = std::min(x0 + 1, view.width - 1), y1 = std::min(y0 + 1, view.height - 1);
+  const double fx = px - x0, fy = py - y0;
+  const float *a = view.pixel(x0, y0), *b = view.pixel(x1, y0), *c = view.pixel(x0, y1),
+              *d = view.pixel(x1, y1);
+  Colour colour{};
+  for (std::size_t i = 0; i < 3; ++i)
+    colour[i] = (1 - fy) * ((1 - fx) * static_cast<double>(a[i]) + fx * static_cast<double>(b[i])) +
+                fy * ((1 - fx) * static_cast<double>(c[i]) + fx * static_cast<double>(d[i]));
   return colour;
 }
 
-bool inside(const Photo& photo, const Point& p) {
-  return p.x >= 0 && p.y >= 0 && p.x <= photo.width - 1.0 && p.y <= photo.height - 1.0;
+bool inside(const SmallPicture& view, const Point& p) {
+  return p.x >= 0 && p.y >= 0 && p.x <= view.width - 1.0 && p.y <= view.height - 1.0;
 }
 
 // The sides of a patch's window in px, fixed while corners move: windows that scaled along would pull the
@@ -47,30 +73,30 @@ Windows windows_of(const Corners& corners) {
   // A little smaller than a patch, which reaches 0.40 (passport size) to 0.45 of the distance between
   // centres.
   constexpr double kHalf = 0.36;
-  const Homography to_photo(corners);
+  const Homography to_view(corners);
   Windows windows{};
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     const Point g = grid_point(i);
-    windows[i] = {kHalf * (to_photo(g + Point{0.5, 0}) - to_photo(g - Point{0.5, 0})),
-                  kHalf * (to_photo(g + Point{0, 0.5}) - to_photo(g - Point{0, 0.5}))};
+    windows[i] = {kHalf * (to_view(g + Point{0.5, 0}) - to_view(g - Point{0.5, 0})),
+                  kHalf * (to_view(g + Point{0, 0.5}) - to_view(g - Point{0, 0.5}))};
   }
   return windows;
 }
 
 // Variance inside of all windows: least when every window lies in its patch.
-double disorder(const Photo& photo, const Corners& corners, const Windows& windows) {
+double disorder(const SmallPicture& view, const Corners& corners, const Windows& windows) {
   constexpr int kSide = 9;
-  const Homography to_photo(corners);
+  const Homography to_view(corners);
   double total = 0.0;
   for (std::size_t i = 0; i < kPatchCount; ++i) {
     Colour sum{}, square{};
-    const Point centre = to_photo(grid_point(i));
+    const Point centre = to_view(grid_point(i));
     for (int v = 0; v < kSide; ++v)
       for (int u = 0; u < kSide; ++u) {
         const Point p = centre + (2.0 * u / (kSide - 1) - 1.0) * windows[i].along_column +
                         (2.0 * v / (kSide - 1) - 1.0) * windows[i].along_row;
-        if (!inside(photo, p)) return INFINITY;
-        const Colour colour = lightness_at(photo, p);
+        if (!inside(view, p)) return INFINITY;
+        const Colour colour = lightness_at(view, p);
         for (std::size_t c = 0; c < 3; ++c) {
           sum[c] += colour[c];
           square[c] += colour[c] * colour[c];
@@ -84,16 +110,16 @@ double disorder(const Photo& photo, const Corners& corners, const Windows& windo
 
 // Where a patch ends along a direction: the distance, in distances between centres, at which the colour is
 // half-way to the most different one in the gap. Empty when the surround is as dark as the patch.
-std::optional<double> edge_distance(const Photo& photo, const Homography& to_photo, const Point& start,
+std::optional<double> edge_distance(const SmallPicture& view, const Homography& to_view, const Point& start,
                                     const Point& direction) {
   constexpr int kSamples = 40;
   constexpr double kReach = 0.62, kLeastContrast = 0.08;
-  const Colour inner = lightness_at(photo, to_photo(start));
+  const Colour inner = lightness_at(view, to_view(start));
   std::array<double, kSamples + 1> change{};
   std::size_t far = 0;
   for (std::size_t i = 0; i <= kSamples; ++i) {
     const Colour colour =
-        lightness_at(photo, to_photo(start + kReach * static_cast<double>(i) / kSamples * direction));
+        lightness_at(view, to_view(start + kReach * static_cast<double>(i) / kSamples * direction));
     for (std::size_t c = 0; c < 3; ++c) change[i] += std::fabs(colour[c] - inner[c]) / 3.0;
     if (change[i] > change[far]) far = i;
   }
@@ -108,7 +134,7 @@ std::optional<double> edge_distance(const Photo& photo, const Homography& to_pho
 }
 
 // The centre of a patch between its opposite edges, in chart coordinates relative to where it should be.
-std::optional<Point> measured_offset(const Photo& photo, const Homography& to_photo, std::size_t patch) {
+std::optional<Point> measured_offset(const SmallPicture& view, const Homography& to_view, std::size_t patch) {
   Point offset;
   for (double Point::*axis : {&Point::x, &Point::y}) {
     std::vector<double> middles;
@@ -117,8 +143,8 @@ std::optional<Point> measured_offset(const Photo& photo, const Homography& to_ph
       (axis == &Point::x ? start.y : start.x) += aside;
       forward.*axis = 1.0;
       backward.*axis = -1.0;
-      const std::optional<double> after = edge_distance(photo, to_photo, start, forward),
-                                  before = edge_distance(photo, to_photo, start, backward);
+      const std::optional<double> after = edge_distance(view, to_view, start, forward),
+                                  before = edge_distance(view, to_view, start, backward);
       if (after && before) middles.push_back(0.5 * (*after - *before));
     }
     if (middles.size() < 2) return std::nullopt;
@@ -129,12 +155,12 @@ std::optional<Point> measured_offset(const Photo& photo, const Homography& to_ph
 }
 
 // Centres every patch between its edges and puts the chart through them; patches that disagree are left out.
-Corners centre_between_edges(const Photo& photo, const Corners& corners) {
+Corners centre_between_edges(const SmallPicture& view, const Corners& corners) {
   constexpr std::size_t kMinMeasured = 10;
-  const Homography to_photo(corners);
+  const Homography to_view(corners);
   std::vector<Point> from, to;
   for (std::size_t i = 0; i < kPatchCount; ++i)
-    if (const std::optional<Point> offset = measured_offset(photo, to_photo, i)) {
+    if (const std::optional<Point> offset = measured_offset(view, to_view, i)) {
       from.push_back(grid_point(i));
       to.push_back(grid_point(i) + *offset);
     }
@@ -147,7 +173,7 @@ Corners centre_between_edges(const Photo& photo, const Corners& corners) {
     const double limit = std::max(0.02, 2.5 * sorted[sorted.size() / 2]);
     if (sorted.back() <= limit || pass == 3) {
       Corners result{};
-      for (std::size_t k = 0; k < 4; ++k) result[k] = to_photo(correction(kChartCorners[k]));
+      for (std::size_t k = 0; k < 4; ++k) result[k] = to_view(correction(kChartCorners[k]));
       return result;
     }
     std::vector<Point> kept_from, kept_to;
@@ -164,7 +190,9 @@ Corners centre_between_edges(const Photo& photo, const Corners& corners) {
 
 }  // namespace
 
-Corners align_to_patches(const Photo& photo, const Corners& corners) {
+Corners align_to_patches(const Photo& photo, const Corners& photo_corners) {
+  const SmallPicture view = view_of(photo, photo_corners);
+  const Corners corners = in_view(view, photo_corners);
   // Pattern search over shift, turn, size and the eight corner coordinates, steps from a quarter of a patch
   // down to a hundredth. The variance has one valley as long as the windows are nearer to their own patch
   // than to the next.
@@ -190,7 +218,7 @@ Corners align_to_patches(const Photo& photo, const Corners& corners) {
     }
   const Windows windows = windows_of(corners);
   Corners best = corners;
-  double least = disorder(photo, best, windows);
+  double least = disorder(view, best, windows);
   for (double step = 0.25 * pitch; step > 0.01 * pitch;) {
     bool moved = false;
     for (const Move& move : moves)
@@ -199,7 +227,7 @@ Corners align_to_patches(const Photo& photo, const Corners& corners) {
         for (std::size_t i = 0; i < 4; ++i) trial[i] = trial[i] + sign * step * move[i];
         double value = INFINITY;
         try {
-          value = disorder(photo, trial, windows);
+          value = disorder(view, trial, windows);
         } catch (const UserError&) {
           continue;  // collapsed to a line
         }
@@ -211,18 +239,21 @@ Corners align_to_patches(const Photo& photo, const Corners& corners) {
       }
     if (!moved) step *= 0.5;
   }
-  return centre_between_edges(photo, centre_between_edges(photo, best));
+  Corners aligned = centre_between_edges(view, centre_between_edges(view, best));
+  for (Point& p : aligned) p = view.to_photo(p);
+  return aligned;
 }
 
 double chart_edge_width(const Photo& photo, const Corners& corners) {
-  const Homography to_photo(corners);
+  const SmallPicture view = view_of(photo, corners);
+  const Homography to_view(in_view(view, corners));
   constexpr int kSamples = 64;  // from one centre to the next
   std::vector<double> widths;
   const auto profile = [&](const Point& from, const Point& to) {
     std::array<double, kSamples + 1> values{};
     for (int i = 0; i <= kSamples; ++i) {
       const double t = static_cast<double>(i) / kSamples;
-      const Colour colour = lightness_at(photo, to_photo((1.0 - t) * from + t * to));
+      const Colour colour = lightness_at(view, to_view((1.0 - t) * from + t * to));
       values[static_cast<std::size_t>(i)] = (colour[0] + colour[1] + colour[2]) / 3.0;
     }
     // From the patch down (or up) to the most different value before the next centre: the gap, or the next

@@ -69,37 +69,75 @@ Container container_of(const std::string& path) {
                   fmt::format("expected an output that ends in .png, .tif or .exr, found '{}'", ending));
 }
 
-template <class Code, class Convert>
-std::vector<Code> codes_of(const Photo& photo, Convert&& convert) {
-  std::vector<Code> codes(photo.rgb_lin.size());
-  const std::size_t row = static_cast<std::size_t>(photo.width) * 3;
-  host::parallel_for(
-      photo.height,
-      [&](std::int64_t y) {
-        const std::size_t begin = static_cast<std::size_t>(y) * row;
-        for (std::size_t i = begin; i < begin + row; ++i) codes[i] = convert(photo.rgb_lin[i]);
-      },
-      kRowsPerItem);
-  return codes;
+// Corrects one row in place.
+void correct_row(Photo& photo, std::int64_t y, const Transform& transform,
+                 CorrectionCounts& counts) noexcept {
+  const std::size_t row = static_cast<std::size_t>(photo.width);
+  float* rgb = photo.rgb_lin.data() + static_cast<std::size_t>(y) * row * 3;
+  for (std::size_t x = 0; x < row; x += kBlock)
+    correct_block(rgb + 3 * x, std::min(kBlock, row - x), photo, transform, counts);
+}
+
+CorrectionCounts total_of(const std::vector<CorrectionCounts>& rows) {
+  CorrectionCounts total;
+  for (const CorrectionCounts& counts : rows) total += counts;
+  return total;
+}
+
+std::uint16_t linear_code(float value, float code_max) noexcept {
+  return static_cast<std::uint16_t>(std::min(value, 1.0f) * code_max + 0.5f);
+}
+
+// row_at(y): width*3 values of 0 or more; asked once for each row, by several threads.
+template <class RowAt>
+void write_rows(int width, int height, const RowAt& row_at, const std::string& path,
+                const OutputFormat& format, const host::ByteSink& sink) {
+  const Container container = container_of(path);
+  const std::size_t values = 3 * static_cast<std::size_t>(width);
+  const bool is_srgb = format.encoding == Encoding::Srgb;
+  const SrgbCodes& srgb = SrgbCodes::instance();
+  if (container == Container::Exr) {
+    host::write_exr_rgb(
+        width, height, [&](int y, float* to) { std::copy_n(row_at(y), values, to); }, sink);
+    return;
+  }
+  if (format.bits == 8) {
+    host::Image8 image{width, height, 3, {}};
+    image.texels.resize(values * static_cast<std::size_t>(height));
+    host::parallel_for(
+        height,
+        [&](std::int64_t y) {
+          const float* from = row_at(static_cast<int>(y));
+          std::uint8_t* to = image.texels.data() + static_cast<std::size_t>(y) * values;
+          for (std::size_t i = 0; i < values; ++i)
+            to[i] = is_srgb ? srgb.code8(from[i]) : static_cast<std::uint8_t>(linear_code(from[i], 255.0f));
+        },
+        kRowsPerItem);
+    sink(host::encode_png(image, {{"Software", "aluminate calibrate"}}));
+    return;
+  }
+  const host::RowOfCodes codes = [&](int y, std::uint16_t* to) {
+    const float* from = row_at(y);
+    if (is_srgb)
+      for (std::size_t i = 0; i < values; ++i) to[i] = srgb.code16(from[i]);
+    else
+      for (std::size_t i = 0; i < values; ++i) to[i] = linear_code(from[i], 65535.0f);
+  };
+  if (container == Container::Png)
+    host::write_png16(width, height, is_srgb, codes, sink);
+  else
+    host::write_tiff16(width, height, codes, sink);
 }
 
 }  // namespace
 
 CorrectionCounts correct_photo(Photo& photo, const Transform& transform) {
-  const std::size_t row = static_cast<std::size_t>(photo.width);
   std::vector<CorrectionCounts> rows(static_cast<std::size_t>(photo.height));
   host::parallel_for(
       photo.height,
-      [&](std::int64_t y) {
-        float* rgb = photo.rgb_lin.data() + static_cast<std::size_t>(y) * row * 3;
-        for (std::size_t x = 0; x < row; x += kBlock)
-          correct_block(rgb + 3 * x, std::min(kBlock, row - x), photo, transform,
-                        rows[static_cast<std::size_t>(y)]);
-      },
+      [&](std::int64_t y) { correct_row(photo, y, transform, rows[static_cast<std::size_t>(y)]); },
       kRowsPerItem);
-  CorrectionCounts total;
-  for (const CorrectionCounts& counts : rows) total += counts;
-  return total;
+  return total_of(rows);
 }
 
 void check_output_name(const std::string& path, const OutputFormat& format) {
@@ -112,40 +150,26 @@ void check_output_name(const std::string& path, const OutputFormat& format) {
     return;  // EXR is linear whatever the default says
 }
 
-std::vector<std::uint8_t> encode_corrected(const Photo& photo, const std::string& path,
-                                           const OutputFormat& format) {
-  const Container container = container_of(path);
-  const host::ImageMetadata metadata{{"Software", "aluminate calibrate"}};
-  if (container == Container::Exr) {
-    const std::size_t texels = photo.rgb_lin.size() / 3;
-    std::array<std::vector<float>, 3> planes;
-    host::parallel_for(3, [&](std::int64_t channel) {
-      const std::size_t c = static_cast<std::size_t>(channel);
-      planes[c].resize(texels);
-      for (std::size_t i = 0; i < texels; ++i) planes[c][i] = photo.rgb_lin[3 * i + c];
-    });
-    const std::array<host::ExrLayer, 3> layers{{{"R", std::span<const float>(planes[0]), false},
-                                                {"G", std::span<const float>(planes[1]), false},
-                                                {"B", std::span<const float>(planes[2]), false}}};
-    return host::encode_exr(photo.width, photo.height, layers, metadata);
-  }
-  const bool is_srgb = format.encoding == Encoding::Srgb;
-  const SrgbCodes& srgb = SrgbCodes::instance();
-  if (format.bits == 8) {
-    host::Image8 image{photo.width, photo.height, 3, {}};
-    image.texels = is_srgb ? codes_of<std::uint8_t>(photo, [&](float v) { return srgb.code8(v); })
-                           : codes_of<std::uint8_t>(photo, [](float v) {
-                               return static_cast<std::uint8_t>(std::min(v, 1.0f) * 255.0f + 0.5f);
-                             });
-    return host::encode_png(image, metadata);
-  }
-  const std::vector<std::uint16_t> codes =
-      is_srgb ? codes_of<std::uint16_t>(photo, [&](float v) { return srgb.code16(v); })
-              : codes_of<std::uint16_t>(photo, [](float v) {
-                  return static_cast<std::uint16_t>(std::min(v, 1.0f) * 65535.0f + 0.5f);
-                });
-  return container == Container::Png ? host::encode_png16(photo.width, photo.height, codes, is_srgb)
-                                     : host::encode_tiff16(photo.width, photo.height, codes);
+CorrectionCounts correct_and_write(Photo& photo, const Transform& transform, const std::string& path,
+                                   const OutputFormat& format, const host::ByteSink& sink) {
+  std::vector<CorrectionCounts> rows(static_cast<std::size_t>(photo.height));
+  const std::size_t values = 3 * static_cast<std::size_t>(photo.width);
+  write_rows(
+      photo.width, photo.height,
+      [&](int y) {
+        correct_row(photo, y, transform, rows[static_cast<std::size_t>(y)]);
+        return photo.rgb_lin.data() + static_cast<std::size_t>(y) * values;
+      },
+      path, format, sink);
+  return total_of(rows);
+}
+
+void write_corrected(const Photo& photo, const std::string& path, const OutputFormat& format,
+                     const host::ByteSink& sink) {
+  const std::size_t values = 3 * static_cast<std::size_t>(photo.width);
+  write_rows(
+      photo.width, photo.height,
+      [&](int y) { return photo.rgb_lin.data() + static_cast<std::size_t>(y) * values; }, path, format, sink);
 }
 
 }  // namespace aluminate::calibration

@@ -1,5 +1,6 @@
-// A transform applied to every pixel, in place, bands of rows in parallel; and corrected pixels as files.
-// In: a photograph, a transform. Out: albedo in linear sRGB and how many pixels are no plausible material.
+// A transform applied to every pixel, in place, rows in parallel; and pixels as the bytes of a picture file,
+// made and passed on while later rows are still being corrected. In: a photograph, a transform. Out: albedo
+// in linear sRGB and how many pixels are no plausible material.
 #pragma once
 
 #include <array>
@@ -36,7 +37,11 @@ struct OutputFormat {
 /// By the name's ending: .png (8 or 16 bits), .tif or .tiff (16), .exr. Throws UserError for others before
 /// any work.
 void check_output_name(const std::string& path, const OutputFormat& format);
-std::vector<std::uint8_t> encode_corrected(const Photo& corrected, const std::string& path,
-                                           const OutputFormat& format);
+/// correct_photo, and the result to sink as the file that path names.
+CorrectionCounts correct_and_write(Photo& photo, const Transform& transform, const std::string& path,
+                                   const OutputFormat& format, const host::ByteSink& sink);
+/// A photograph that is corrected already.
+void write_corrected(const Photo& corrected, const std::string& path, const OutputFormat& format,
+                     const host::ByteSink& sink);
 
 }  // namespace aluminate::calibration

@@ -17,7 +17,9 @@ constexpr double kPatchReach =
     0.42;  // from its centre a patch reaches this far: it must lie inside of the photograph
 
 PatchColours all_colours(const Photo& photo, const Corners& corners) {
-  const PatchSamples samples = sample_patches(photo, corners);
+  // Colours that tell charts from other things need no more; proposals come by the hundred.
+  constexpr int kPixels = 400;
+  const PatchSamples samples = sample_patches(photo, corners, kPixels);
   PatchColours colours = colours_of(samples);
   for (std::size_t i = 0; i < kPatchCount; ++i)
     colours.usable[i] = samples[i].pixels > 0;  // a clipped white is still white
@@ -151,9 +153,10 @@ void search_grids(Search& search) {
     if (scale > 1.0) scale = std::min(4.0, std::floor(scale));
     if (side > 700.0 && scale > 4.0) break;
     const SmallPicture picture = scaled_picture(search.photo, scale);
+    const std::vector<float> steepness = steepness_of(picture);
     // Edges in lightness: noise of a dim photograph needs a high bar, a chart out of focus a low one.
-    for (const double edge : {0.05, 0.025, 0.1, 0.012}) {
-      for (const PatchGrid& grid : find_grids(picture, edge, kMinGridNodes)) {
+    for (const float edge : {0.05f, 0.025f, 0.1f, 0.012f}) {
+      for (const PatchGrid& grid : find_grids(picture, steepness, edge, kMinGridNodes)) {
         try {
           judge_grid(search, picture, grid);
         } catch (const UserError&) {

@@ -191,7 +191,7 @@ void correct_lens(Photo& photo, const LensModel& lens) {
         16);
   }
   if (!lens.moves_pixels()) return;
-  std::vector<float> straight(photo.rgb_lin.size());
+  host::UninitializedVector<float> straight(photo.rgb_lin.size());
   const bool by_channel = lens.has_lateral_colour();
   host::parallel_for(
       photo.height,

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <queue>
 #include <utility>
 
+#include "platform/host/error.hpp"
 #include "platform/host/parallel.hpp"
 
 namespace aluminate::calibration {
@@ -21,48 +23,9 @@ struct Area {
 
 float lightness(float linear) { return std::cbrt(std::max(linear, 0.0f)); }
 
-// 3 x 3 box blur: sensor noise and JPEG blocks must not cut a patch into pieces.
-std::vector<float> blurred(const SmallPicture& picture) {
-  std::vector<float> result(picture.rgb.size());
-  const int w = picture.width, h = picture.height;
-  for (int y = 0; y < h; ++y) {
-    const int up = std::max(y - 1, 0), down = std::min(y + 1, h - 1);
-    for (int x = 0; x < w; ++x) {
-      const int left = std::max(x - 1, 0), right = std::min(x + 1, w - 1);
-      float* to = result.data() + (picture.pixel(x, y) - picture.rgb.data());
-      for (int c = 0; c < 3; ++c) {
-        float sum = 0.0f;
-        for (const int yy : {up, y, down})
-          for (const int xx : {left, x, right}) sum += picture.pixel(xx, yy)[c];
-        to[c] = sum / 9.0f;
-      }
-    }
-  }
-  return result;
-}
-
-std::vector<std::uint8_t> flat_pixels(const SmallPicture& picture, double edge) {
-  const std::vector<float> smooth = blurred(picture);
-  const int w = picture.width, h = picture.height;
-  const auto at = [&](int x, int y) {
-    return smooth.data() +
-           3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x));
-  };
-  std::vector<std::uint8_t> flat(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0);
-  for (int y = 1; y + 1 < h; ++y)
-    for (int x = 1; x + 1 < w; ++x) {
-      float largest = 0.0f;
-      for (int c = 0; c < 3; ++c) {
-        largest = std::max(largest, std::fabs(at(x + 1, y)[c] - at(x - 1, y)[c]));
-        largest = std::max(largest, std::fabs(at(x, y + 1)[c] - at(x, y - 1)[c]));
-      }
-      flat[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] =
-          static_cast<double>(largest) < edge ? 1 : 0;
-    }
-  return flat;
-}
-
-std::vector<Area> square_areas(std::vector<std::uint8_t> flat, int w, int h) {
+std::vector<Area> square_areas(const std::vector<float>& steepness, float edge, int w, int h) {
+  std::vector<std::uint8_t> flat(steepness.size());
+  for (std::size_t i = 0; i < flat.size(); ++i) flat[i] = steepness[i] < edge ? 1 : 0;
   constexpr double kMinPixels = 6.0;
   const double most_pixels =
       static_cast<double>(w) * h / 20.0;  // 24 patches fill at most most of the picture
@@ -111,30 +74,39 @@ std::vector<Area> square_areas(std::vector<std::uint8_t> flat, int w, int h) {
   return areas;
 }
 
-// Areas by place, for "what lies near p".
+// Areas by place, for "what lies near p": indices sorted by square cell, and where each cell begins.
 class Neighbourhood {
  public:
-  Neighbourhood(const std::vector<Area>& areas, double cell) : areas_(areas), cell_(cell) {
-    for (std::size_t i = 0; i < areas.size(); ++i) cells_[key(areas[i].centre)].push_back(i);
+  Neighbourhood(const std::vector<Area>& areas, double cell, int width, int height)
+      : areas_(areas), cell_(cell), columns_(cell_of(width) + 1), rows_(cell_of(height) + 1) {
+    begin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+    for (const Area& area : areas) ++begin_[key(area) + 1];
+    for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+    sorted_.resize(areas.size());
+    std::vector<std::size_t> next = begin_;
+    for (std::size_t i = 0; i < areas.size(); ++i) sorted_[next[key(areas[i])]++] = i;
   }
   template <class Visit>
   void near(const Point& p, double radius, Visit&& visit) const {
-    const int reach = static_cast<int>(std::ceil(radius / cell_));
-    const auto [cx, cy] = key(p);
-    for (int y = cy - reach; y <= cy + reach; ++y)
-      for (int x = cx - reach; x <= cx + reach; ++x)
-        if (const auto found = cells_.find({x, y}); found != cells_.end())
-          for (const std::size_t i : found->second)
-            if (length(areas_[i].centre - p) <= radius) visit(i);
+    const int left = std::max(cell_of(p.x - radius), 0),
+              right = std::min(cell_of(p.x + radius), columns_ - 1);
+    const int top = std::max(cell_of(p.y - radius), 0), bottom = std::min(cell_of(p.y + radius), rows_ - 1);
+    for (int y = top; y <= bottom; ++y)
+      for (int x = left; x <= right; ++x)
+        for (std::size_t at = begin_[key(x, y)]; at < begin_[key(x, y) + 1]; ++at)
+          if (length(areas_[sorted_[at]].centre - p) <= radius) visit(sorted_[at]);
   }
 
  private:
-  std::pair<int, int> key(const Point& p) const {
-    return {static_cast<int>(std::floor(p.x / cell_)), static_cast<int>(std::floor(p.y / cell_))};
+  int cell_of(double px) const { return static_cast<int>(std::floor(px / cell_)); }
+  std::size_t key(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
   }
+  std::size_t key(const Area& area) const { return key(cell_of(area.centre.x), cell_of(area.centre.y)); }
   const std::vector<Area>& areas_;
   double cell_;
-  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;
+  int columns_, rows_;
+  std::vector<std::size_t> begin_, sorted_;
 };
 
 struct Step {
@@ -150,8 +122,8 @@ PatchGrid grow(const std::vector<Area>& areas, const Neighbourhood& near, std::s
     Step step;
   };
   std::map<std::pair<int, int>, Node> nodes{{{0, 0}, {seed, first}}};
-  std::vector<bool> taken(areas.size(), false);
-  taken[seed] = true;
+  std::vector<std::size_t> taken{
+      seed};  // a lattice is small: searching it beats a flag for each of 10^5 areas
   std::queue<std::pair<int, int>> open;
   open.push({0, 0});
   while (!open.empty()) {
@@ -170,7 +142,8 @@ PatchGrid grow(const std::vector<Area>& areas, const Neighbourhood& near, std::s
       near.near(expected, nearest, [&](std::size_t i) {
         const double ratio = areas[i].size / areas[node.area].size;
         const double distance = length(areas[i].centre - expected);
-        if (!taken[i] && ratio > 0.4 && ratio < 2.5 && distance < nearest) {
+        if (ratio > 0.4 && ratio < 2.5 && distance < nearest &&
+            std::find(taken.begin(), taken.end(), i) == taken.end()) {
           nearest = distance;
           found = i;
         }
@@ -179,7 +152,7 @@ PatchGrid grow(const std::vector<Area>& areas, const Neighbourhood& near, std::s
       Step next = node.step;
       const Point actual = areas[found].centre - from;
       (dc != 0 ? next.along_column : next.along_row) = static_cast<double>(dc + dr) * actual;
-      taken[found] = true;
+      taken.push_back(found);
       nodes.insert({{column + dc, row + dr}, {found, next}});
       open.push({column + dc, row + dr});
     }
@@ -192,11 +165,54 @@ PatchGrid grow(const std::vector<Area>& areas, const Neighbourhood& near, std::s
 
 }  // namespace
 
-SmallPicture scaled_picture(const Photo& photo, double scale) {
+SmallPicture scaled_part(const Photo& photo, double scale, int x0, int y0, int x1, int y1) {
+  ALU_CHECK(scale > 0.0 && scale <= 1.0, "scale {}", scale);
+  x0 = std::max(x0, 0);
+  y0 = std::max(y0, 0);
+  x1 = std::min(x1, photo.width);
+  y1 = std::min(y1, photo.height);
+  if (x1 <= x0 || y1 <= y0) throw UserError("a part of the photograph lies outside of it");
   SmallPicture picture;
   picture.scale = scale;
-  picture.width = std::max(1, static_cast<int>(std::floor(photo.width * scale)));
-  picture.height = std::max(1, static_cast<int>(std::floor(photo.height * scale)));
+  picture.origin = {static_cast<double>(x0), static_cast<double>(y0)};
+  picture.width = std::max(1, static_cast<int>(std::floor((x1 - x0) * scale)));
+  picture.height = std::max(1, static_cast<int>(std::floor((y1 - y0) * scale)));
+  picture.rgb.resize(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3);
+  const auto first_px = [&](int at) { return static_cast<int>(at / scale); };
+  host::parallel_for(
+      picture.height,
+      [&](std::int64_t row) {
+        const int y = static_cast<int>(row);
+        const int top = y0 + first_px(y), bottom = std::clamp(y0 + first_px(y + 1), top + 1, y1);
+        float* to =
+            picture.rgb.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width);
+        for (int x = 0; x < picture.width; ++x, to += 3) {
+          const int left = x0 + first_px(x), right = std::clamp(x0 + first_px(x + 1), left + 1, x1);
+          double r = 0.0, g = 0.0, b = 0.0;
+          for (int yy = top; yy < bottom; ++yy) {
+            const float* from = photo.pixel(left, yy);
+            for (int xx = left; xx < right; ++xx, from += 3) {
+              r += static_cast<double>(from[0]);
+              g += static_cast<double>(from[1]);
+              b += static_cast<double>(from[2]);
+            }
+          }
+          const double share = 1.0 / (static_cast<double>(right - left) * static_cast<double>(bottom - top));
+          to[0] = lightness(static_cast<float>(r * share));
+          to[1] = lightness(static_cast<float>(g * share));
+          to[2] = lightness(static_cast<float>(b * share));
+        }
+      },
+      4);
+  return picture;
+}
+
+SmallPicture scaled_picture(const Photo& photo, double scale) {
+  if (scale <= 1.0) return scaled_part(photo, scale, 0, 0, photo.width, photo.height);
+  SmallPicture picture;
+  picture.scale = scale;
+  picture.width = static_cast<int>(std::floor(photo.width * scale));
+  picture.height = static_cast<int>(std::floor(photo.height * scale));
   picture.rgb.resize(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3);
   host::parallel_for(
       picture.height,
@@ -205,46 +221,86 @@ SmallPicture scaled_picture(const Photo& photo, double scale) {
         float* to =
             picture.rgb.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width);
         for (int x = 0; x < picture.width; ++x, to += 3) {
-          double sum[3]{};
-          if (scale < 1.0) {
-            const int x0 = static_cast<int>(x / scale),
-                      x1 = std::clamp(static_cast<int>((x + 1) / scale), x0 + 1, photo.width);
-            const int y0 = static_cast<int>(y / scale),
-                      y1 = std::clamp(static_cast<int>((y + 1) / scale), y0 + 1, photo.height);
-            for (int yy = y0; yy < y1; ++yy)
-              for (int xx = x0; xx < x1; ++xx)
-                for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(photo.pixel(xx, yy)[c]);
-            for (double& s : sum) s /= static_cast<double>((x1 - x0) * (y1 - y0));
-          } else {
-            const Point p = picture.to_photo({static_cast<double>(x), static_cast<double>(y)});
-            const double px = std::clamp(p.x, 0.0, photo.width - 1.0),
-                         py = std::clamp(p.y, 0.0, photo.height - 1.0);
-            const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
-            const int x1 = std::min(x0 + 1, photo.width - 1), y1 = std::min(y0 + 1, photo.height - 1);
-            const double fx = px - x0, fy = py - y0;
-            for (int c = 0; c < 3; ++c) {
-              sum[c] = (1 - fy) * ((1 - fx) * static_cast<double>(photo.pixel(x0, y0)[c]) +
-                                   fx * static_cast<double>(photo.pixel(x1, y0)[c])) +
-                       fy * ((1 - fx) * static_cast<double>(photo.pixel(x0, y1)[c]) +
-                             fx * static_cast<double>(photo.pixel(x1, y1)[c]));
-            }
+          const Point p = picture.to_photo({static_cast<double>(x), static_cast<double>(y)});
+          const double px = std::clamp(p.x, 0.0, photo.width - 1.0),
+                       py = std::clamp(p.y, 0.0, photo.height - 1.0);
+          const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
+          const int x1 = std::min(x0 + 1, photo.width - 1), y1 = std::min(y0 + 1, photo.height - 1);
+          const double fx = px - x0, fy = py - y0;
+          for (int c = 0; c < 3; ++c) {
+            const double linear = (1 - fy) * ((1 - fx) * static_cast<double>(photo.pixel(x0, y0)[c]) +
+                                              fx * static_cast<double>(photo.pixel(x1, y0)[c])) +
+                                  fy * ((1 - fx) * static_cast<double>(photo.pixel(x0, y1)[c]) +
+                                        fx * static_cast<double>(photo.pixel(x1, y1)[c]));
+            to[c] = lightness(static_cast<float>(linear));
           }
-          for (int c = 0; c < 3; ++c) to[c] = lightness(static_cast<float>(sum[c]));
         }
       },
       4);
   return picture;
 }
 
-std::vector<PatchGrid> find_grids(const SmallPicture& picture, double edge, std::size_t min_nodes) {
+std::vector<float> steepness_of(const SmallPicture& picture) {
+  const int w = picture.width, h = picture.height;
+  const std::size_t row = 3 * static_cast<std::size_t>(w);
+  // Sensor noise and JPEG blocks must not cut a patch into pieces: a box of 3 x 3, along rows, then along
+  // columns.
+  std::vector<float> along(picture.rgb.size()), smooth(picture.rgb.size());
+  host::parallel_for(
+      h,
+      [&](std::int64_t y) {
+        const float* from = picture.rgb.data() + static_cast<std::size_t>(y) * row;
+        float* to = along.data() + static_cast<std::size_t>(y) * row;
+        for (std::size_t i = 0; i < row; ++i) {
+          const std::size_t left = i >= 3 ? i - 3 : i, right = i + 3 < row ? i + 3 : i;
+          to[i] = from[left] + from[i] + from[right];
+        }
+      },
+      16);
+  const auto row_of = [&](const std::vector<float>& values, int y) {
+    return values.data() + static_cast<std::size_t>(std::clamp(y, 0, h - 1)) * row;
+  };
+  host::parallel_for(
+      h,
+      [&](std::int64_t line) {
+        const int y = static_cast<int>(line);
+        const float *up = row_of(along, y - 1), *here = row_of(along, y), *down = row_of(along, y + 1);
+        float* to = smooth.data() + static_cast<std::size_t>(y) * row;
+        for (std::size_t i = 0; i < row; ++i) to[i] = (up[i] + here[i] + down[i]) / 9.0f;
+      },
+      16);
+  std::vector<float> steepness(static_cast<std::size_t>(w) * static_cast<std::size_t>(h),
+                               std::numeric_limits<float>::infinity());
+  host::parallel_for(
+      std::max(h - 2, 0),
+      [&](std::int64_t line) {
+        const int y = static_cast<int>(line) + 1;
+        const float *up = row_of(smooth, y - 1), *here = row_of(smooth, y), *down = row_of(smooth, y + 1);
+        float* to = steepness.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
+        for (std::size_t x = 1; x + 1 < static_cast<std::size_t>(w); ++x) {
+          float largest = 0.0f;
+          for (std::size_t i = 3 * x; i < 3 * x + 3; ++i) {
+            largest = std::max(largest, std::fabs(here[i + 3] - here[i - 3]));
+            largest = std::max(largest, std::fabs(down[i] - up[i]));
+          }
+          to[x] = largest;
+        }
+      },
+      16);
+  return steepness;
+}
+
+std::vector<PatchGrid> find_grids(const SmallPicture& picture, const std::vector<float>& steepness,
+                                  float edge, std::size_t min_nodes) {
   std::vector<PatchGrid> grids;
   if (picture.width < 3 || picture.height < 3) return grids;
-  const std::vector<Area> areas = square_areas(flat_pixels(picture, edge), picture.width, picture.height);
+  const std::vector<Area> areas = square_areas(steepness, edge, picture.width, picture.height);
   if (areas.size() < min_nodes) return grids;
   std::vector<double> sides;
   for (const Area& area : areas) sides.push_back(area.side);
   std::nth_element(sides.begin(), sides.begin() + static_cast<std::ptrdiff_t>(sides.size() / 2), sides.end());
-  const Neighbourhood near(areas, std::max(4.0, 2.0 * sides[sides.size() / 2]));
+  const Neighbourhood near(areas, std::max(4.0, 2.0 * sides[sides.size() / 2]), picture.width,
+                           picture.height);
 
   std::vector<bool> in_a_grid(areas.size(), false);
   for (std::size_t seed = 0; seed < areas.size(); ++seed) {

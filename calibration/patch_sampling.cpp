@@ -6,12 +6,10 @@
 
 #include "calibration/linear_solve.hpp"
 #include "platform/host/error.hpp"
+#include "platform/host/parallel.hpp"
 
 namespace aluminate::calibration {
 namespace {
-
-// Enough for a mean 50 times quieter than a pixel; a patch of a large photograph has hundreds of thousands.
-constexpr int kMostPixels = 20000;
 
 double median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -25,7 +23,7 @@ struct Pixels {
 };
 
 Pixels gather(const Photo& photo, const Homography& to_photo, const Homography& to_chart,
-              const Point& chart_centre) {
+              const Point& chart_centre, int most_pixels) {
   double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
   for (const double dx : {-kSampledHalfWidth, kSampledHalfWidth})
     for (const double dy : {-kSampledHalfWidth, kSampledHalfWidth}) {
@@ -46,7 +44,7 @@ Pixels gather(const Photo& photo, const Homography& to_photo, const Homography& 
     pixels.place.push_back(offset);
   };
   const double area = std::max(0.0, (x1 - x0 + 1.0) * (y1 - y0 + 1.0));
-  const int step = std::max(1, static_cast<int>(std::sqrt(area / kMostPixels)));
+  const int step = std::max(1, static_cast<int>(std::sqrt(area / most_pixels)));
   for (int y = y0; y <= y1; y += step)
     for (int x = x0; x <= x1; x += step) {
       const Point offset = to_chart({static_cast<double>(x), static_cast<double>(y)}) - chart_centre;
@@ -132,13 +130,15 @@ PatchSample statistics(const Photo& photo, const Pixels& pixels, const Point& ce
 
 }  // namespace
 
-PatchSamples sample_patches(const Photo& photo, const Corners& corners) {
+PatchSamples sample_patches(const Photo& photo, const Corners& corners, int most_pixels) {
   const Homography to_photo(corners), to_chart = to_photo.inverse();
   PatchSamples samples;
-  for (std::size_t i = 0; i < kPatchCount; ++i) {
+  host::parallel_for(kPatchCount, [&](std::int64_t patch) {
+    const std::size_t i = static_cast<std::size_t>(patch);
     const Point chart_centre{static_cast<double>(i % kChartColumns), static_cast<double>(i / kChartColumns)};
-    samples[i] = statistics(photo, gather(photo, to_photo, to_chart, chart_centre), to_photo(chart_centre));
-  }
+    samples[i] = statistics(photo, gather(photo, to_photo, to_chart, chart_centre, most_pixels),
+                            to_photo(chart_centre));
+  });
   return samples;
 }
 

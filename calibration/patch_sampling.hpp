@@ -33,7 +33,11 @@ struct PatchSample {
 
 using PatchSamples = std::array<PatchSample, kPatchCount>;
 
-PatchSamples sample_patches(const Photo& photo, const Corners& corners);
+/// Enough for a mean 50 times quieter than a pixel; a patch of a large photograph has hundreds of thousands.
+inline constexpr int kMostPixels = 20000;
+
+/// most_pixels: looked at in a patch, about; larger ones are sampled in equal steps.
+PatchSamples sample_patches(const Photo& photo, const Corners& corners, int most_pixels = kMostPixels);
 
 PatchColours colours_of(const PatchSamples& samples);
 

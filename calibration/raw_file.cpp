@@ -103,9 +103,16 @@ Mosaic mosaic_of_grey(const host::ImageFloat& image, const std::string& pattern,
   mosaic.white = image.stored == host::StoredAs::Unorm8 ? 255 : 65535;
   mosaic.orientation = image.orientation;
   mosaic.samples.resize(image.texels.size());
-  for (std::size_t i = 0; i < image.texels.size(); ++i)
-    mosaic.samples[i] =
-        static_cast<std::uint16_t>(std::lround(static_cast<double>(image.texels[i]) * mosaic.white));
+  const std::size_t row = static_cast<std::size_t>(image.width);
+  host::parallel_for(
+      image.height,
+      [&](std::int64_t y) {
+        const std::size_t begin = static_cast<std::size_t>(y) * row;
+        for (std::size_t i = begin; i < begin + row; ++i)
+          mosaic.samples[i] =
+              static_cast<std::uint16_t>(std::lround(static_cast<double>(image.texels[i]) * mosaic.white));
+      },
+      16);
   return mosaic;
 }
 
@@ -121,24 +128,33 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
     return colours[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
   };
 
-  std::vector<float> level(mosaic.samples.size());  // black 0, white 1, times the multiplier
-  host::parallel_for(
-      h,
-      [&](std::int64_t row) {
-        for (int x = 0; x < w; ++x) {
-          const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(w) +
-                                static_cast<std::size_t>(x),
-                            c = colour_at(x, static_cast<int>(row));
-          level[i] = static_cast<float>((mosaic.samples[i] - mosaic.black[c]) /
-                                        (mosaic.white - mosaic.black[c]) * mosaic.multipliers[c]);
-        }
-      },
-      16);
+  // Black 0, white 1, times the multiplier; with a border of two pixels, so that the filter below needs no
+  // bounds.
+  constexpr int kBorder = 2;
   const auto mirrored = [](int at, int size) {  // keeps the parity, and with it the colour
     if (at < 0) at = -at;
     if (at >= size) at = 2 * (size - 1) - at;
     return std::clamp(at, 0, size - 1);
   };
+  const std::ptrdiff_t stride = w + 2 * kBorder;
+  host::UninitializedVector<float> level(static_cast<std::size_t>(stride) *
+                                         static_cast<std::size_t>(h + 2 * kBorder));
+  host::parallel_for(
+      h + 2 * kBorder,
+      [&](std::int64_t row) {
+        const int y = mirrored(static_cast<int>(row) - kBorder, h);
+        const std::uint16_t* from =
+            mosaic.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
+        float* to = level.data() + row * stride;
+        const auto put = [&](int column, int x) {
+          const std::size_t c = colour_at(x, y);
+          to[column] = static_cast<float>((from[x] - mosaic.black[c]) / (mosaic.white - mosaic.black[c]) *
+                                          mosaic.multipliers[c]);
+        };
+        for (int x = 0; x < w; ++x) put(x + kBorder, x);
+        for (const int column : {0, 1, w + 2, w + 3}) put(column, mirrored(column - kBorder, w));
+      },
+      16);
 
   Photo photo;
   photo.width = w;
@@ -146,17 +162,14 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   photo.kind = kind;
   // 0.5 % below full: interpolation mixes full pixels with others.
   for (std::size_t c = 0; c < 3; ++c) photo.clip_high[c] = 0.995 * mosaic.multipliers[c];
-  photo.rgb_lin.resize(level.size() * 3);
+  photo.rgb_lin.resize(mosaic.samples.size() * 3);
   host::parallel_for(
       h,
       [&](std::int64_t row) {
         const int y = static_cast<int>(row);
+        const float* const line = level.data() + (row + kBorder) * stride + kBorder;
         for (int x = 0; x < w; ++x) {
-          const auto at = [&](int dx, int dy) {
-            return static_cast<double>(
-                level[static_cast<std::size_t>(mirrored(y + dy, h)) * static_cast<std::size_t>(w) +
-                      static_cast<std::size_t>(mirrored(x + dx, w))]);
-          };
+          const auto at = [&](int dx, int dy) { return static_cast<double>(line[dy * stride + x + dx]); };
           const double here = at(0, 0);
           const double beside = at(-1, 0) + at(1, 0), above = at(0, -1) + at(0, 1),
                        diagonal = at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1);

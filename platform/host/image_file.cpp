@@ -184,21 +184,46 @@ Image8 decode_rgba8(std::span<const std::uint8_t> encoded, const std::string& na
   return image;
 }
 
-ImageFloat decode_float(std::span<const std::uint8_t> encoded, const std::string& name) {
-  const OpenImage open = open_image(encoded, name);
+namespace {
+
+StoredAs stored_as(const image_module::Facts& facts) {
+  return facts.sample == image_module::Sample::Unorm8    ? StoredAs::Unorm8
+         : facts.sample == image_module::Sample::Unorm16 ? StoredAs::Unorm16
+                                                         : StoredAs::Float;
+}
+
+ImageFloat read_floats(const OpenImage& open, const std::string& name) {
   ImageFloat image;
   image.width = open.facts.width;
   image.height = open.facts.height;
   image.orientation = std::clamp(open.facts.orientation, 1, 8);
-  image.stored = open.facts.sample == image_module::Sample::Unorm8    ? StoredAs::Unorm8
-                 : open.facts.sample == image_module::Sample::Unorm16 ? StoredAs::Unorm16
-                                                                      : StoredAs::Float;
+  image.stored = stored_as(open.facts);
   for (int i = 0; i < open.facts.channels; ++i) {
     image.channels.emplace_back(module().channel_name(open.reader.get(), i));
   }
   image.texels.resize(open.texel_count() * image.channels.size());
   Failure failure{};
   if (!module().read_float(open.reader.get(), image.texels.data(), &failure)) {
+    refuse(name, fmt::format("cannot read the image: {}", failure.text));
+  }
+  return image;
+}
+
+}  // namespace
+
+ImageFloat decode_float(std::span<const std::uint8_t> encoded, const std::string& name) {
+  return read_floats(open_image(encoded, name), name);
+}
+
+std::variant<ImageCodes, ImageFloat> decode_stored(std::span<const std::uint8_t> encoded, const std::string& name) {
+  const OpenImage open = open_image(encoded, name);
+  const StoredAs stored = stored_as(open.facts);
+  if (stored == StoredAs::Float) return read_floats(open, name);
+  ImageCodes image{open.facts.width, open.facts.height, open.facts.channels, stored,
+                   std::clamp(open.facts.orientation, 1, 8), {}};
+  image.bytes.resize(open.texel_count() * static_cast<std::size_t>(image.channels) * (stored == StoredAs::Unorm8 ? 1 : 2));
+  Failure failure{};
+  if (!module().read_codes(open.reader.get(), image.bytes.data(), &failure)) {
     refuse(name, fmt::format("cannot read the image: {}", failure.text));
   }
   return image;

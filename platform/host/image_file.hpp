@@ -5,11 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "platform/host/uninitialized.hpp"
 
 namespace aluminate::host {
 
@@ -39,11 +42,21 @@ struct ImageFloat {
   int channel(std::string_view name) const;
 };
 
+/// Codes of 8 or 16 bits as the file holds them, row-major, row 0 is the top, channels interleaved.
+struct ImageCodes {
+  int width = 0, height = 0, channels = 0;
+  StoredAs stored = StoredAs::Unorm8;       // never Float
+  int orientation = 1;                      // as in ImageFloat
+  UninitializedVector<std::uint8_t> bytes;  // width*height*channels codes; 16-bit ones in the machine's order
+};
+
 /// PNG, JPEG, TIFF, OpenEXR, Radiance HDR, BMP, TGA or WebP from memory, told apart by content. Grey becomes RGB, a
 /// missing alpha 255, 16-bit codes are rounded to 8. Float formats are refused: use decode_float.
 /// Truncated or corrupt data is an error, never a half image. `name` is for messages.
 Image8 decode_rgba8(std::span<const std::uint8_t> encoded, const std::string& name);
 ImageFloat decode_float(std::span<const std::uint8_t> encoded, const std::string& name);
+/// Whichever of the two the file holds: a large photograph is not converted more often than it must be.
+std::variant<ImageCodes, ImageFloat> decode_stored(std::span<const std::uint8_t> encoded, const std::string& name);
 
 /// The same from a file.
 ImageFloat read_image(const std::string& path);
@@ -56,10 +69,22 @@ using ImageMetadata = std::vector<std::pair<std::string, std::string>>;
 /// PNG, 3 or 4 channels of 8 bits, marked sRGB.
 std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata = {});
 
-/// width*height*3 codes of 16 bits, interleaved. Compressed on all threads; the bytes do not depend on their number.
-/// is_srgb: what the codes mean, stored in the file; otherwise they are linear.
-std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes, bool is_srgb);
+/// Pictures of three channels as they are made, for those too large to be held twice. The rows are asked for once
+/// each, in any order and by several threads; the bytes are passed on in order by the calling thread. The bytes do not
+/// depend on the number of threads.
+using RowOfCodes = std::function<void(int row, std::uint16_t* codes)>;  // width*3, interleaved
+using RowOfFloats = std::function<void(int row, float* values)>;        // width*3, interleaved
+using ByteSink = std::function<void(std::span<const std::uint8_t> bytes)>;
+
+/// Compressed on all threads. is_srgb: what the codes mean, stored in the file; otherwise they are linear.
+void write_png16(int width, int height, bool is_srgb, const RowOfCodes& row_of, const ByteSink& sink);
 /// Uncompressed baseline TIFF [TIFF6], one strip. At most 4 GiB.
+void write_tiff16(int width, int height, const RowOfCodes& row_of, const ByteSink& sink);
+/// Scan-line OpenEXR of 32-bit R, G, B, not compressed: the noise of a photograph hardly shrinks and takes seconds.
+void write_exr_rgb(int width, int height, const RowOfFloats& row_of, const ByteSink& sink);
+
+/// The same of width*height*3 codes, interleaved.
+std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes, bool is_srgb);
 std::vector<std::uint8_t> encode_tiff16(int width, int height, std::span<const std::uint16_t> codes);
 
 /// One EXR channel: width*height values, row-major. Names are file-level: "R", "cost.alu_words", "depth.Z".

@@ -102,14 +102,15 @@ const char* channel_name(const Reader* reader, int channel) {
 }
 
 // The whole image in its stored types, channels interleaved. False also when the data ends early.
-bool read_stored(Reader* reader, std::vector<std::uint8_t>& stored, Failure* failure) {
-  const OIIO::ImageSpec& spec = reader->input->spec();
-  stored.resize(static_cast<std::size_t>(spec.image_bytes(true)));
-  if (reader->input->read_image(0, 0, 0, -1, OIIO::TypeUnknown, stored.data()) && !reader->input->has_error()) {
-    return true;
-  }
+bool read_stored(Reader* reader, std::uint8_t* stored, Failure* failure) {
+  if (reader->input->read_image(0, 0, 0, -1, OIIO::TypeUnknown, stored) && !reader->input->has_error()) return true;
   const std::string reason = reader->input->geterror();
   return set(failure, reason.empty() ? "the data is truncated or corrupt" : reason);
+}
+
+bool read_stored(Reader* reader, std::vector<std::uint8_t>& stored, Failure* failure) {
+  stored.resize(static_cast<std::size_t>(reader->input->spec().image_bytes(true)));
+  return read_stored(reader, stored.data(), failure);
 }
 
 template <class Value>
@@ -169,6 +170,13 @@ bool read_float(Reader* reader, float* values, Failure* failure) {
       }
     }
     return true;
+  });
+}
+
+bool read_codes(Reader* reader, std::uint8_t* codes, Failure* failure) {
+  return guarded(failure, [&] {
+    if (!reader->input->spec().channelformats.empty()) return set(failure, "its channels are of several types");
+    return read_stored(reader, codes, failure);
   });
 }
 
@@ -284,7 +292,7 @@ aluminate_image_module() {
   OIIO::attribute("exr_threads", 1);
   static const module::Interface interface {
     module::kInterfaceVersion, module::open, module::channel_name, module::read_rgba8, module::read_float,
-        module::close, module::encode_png, module::encode_exr, module::text_box, module::draw_text
+        module::read_codes, module::close, module::encode_png, module::encode_exr, module::text_box, module::draw_text
   };
   return &interface;
 }

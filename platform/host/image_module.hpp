@@ -8,7 +8,7 @@
 
 namespace aluminate::host::image_module {
 
-inline constexpr int kInterfaceVersion = 4;  // both sides are built together; a stale module must not be used
+inline constexpr int kInterfaceVersion = 5;  // both sides are built together; a stale module must not be used
 
 struct Failure {
   char text[400];
@@ -53,6 +53,8 @@ struct Interface {
   bool (*read_rgba8)(Reader* reader, std::uint8_t* rgba, Failure* failure);
   /// values: width*height*channels.
   bool (*read_float)(Reader* reader, float* values, Failure* failure);
+  /// codes: width*height*channels of 1 or 2 bytes. Unorm8 and Unorm16 images only.
+  bool (*read_codes)(Reader* reader, std::uint8_t* codes, Failure* failure);
   void (*close)(Reader* reader);
 
   bool (*encode_png)(int width, int height, int channels, const std::uint8_t* texels, const Pair* metadata,

@@ -121,6 +121,7 @@ void OutputFile::write(std::string_view text) {
   ALU_CHECK(descriptor_ >= 0, "write to {} after its commit", path_);
   const char* from = text.data();
   std::size_t left = text.size();
+  constexpr std::size_t kLarge = std::size_t{1} << 20;
   while (left > 0) {
     const ssize_t written = ::write(descriptor_, from, left);
     if (written < 0 && errno == EINTR) continue;
@@ -128,6 +129,9 @@ void OutputFile::write(std::string_view text) {
     from += written;
     left -= static_cast<std::size_t>(written);
   }
+  // The disk starts on large pieces now, so that commit() need not wait for all of them. A hint: errors show there.
+  if (text.size() >= kLarge && !temporary_.empty())
+    (void)::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
 }
 
 void OutputFile::write(std::span<const std::uint8_t> bytes) {

@@ -15,7 +15,8 @@ namespace aluminate::host {
 namespace {
 
 constexpr int kBandRows = 64;
-// Runs and Huffman codes: after the filter, photographs hardly shrink further, and searching costs the most time.
+// Runs and Huffman codes: after the filter, photographs hardly shrink further, and searching costs the most
+// time.
 constexpr int kLevel = 1;
 
 void put_big_endian(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
@@ -31,9 +32,9 @@ void put_chunk(std::vector<std::uint8_t>& bytes, std::string_view kind, std::spa
 }
 
 // Filter 1, Sub: each byte less the byte one pixel to the left. Samples are big-endian.
-std::vector<std::uint8_t> filtered(std::span<const std::uint16_t> codes, std::size_t row_codes) {
+UninitializedVector<std::uint8_t> filtered(std::span<const std::uint16_t> codes, std::size_t row_codes) {
   constexpr std::size_t kPixelBytes = 6;
-  std::vector<std::uint8_t> bytes;
+  UninitializedVector<std::uint8_t> bytes;
   bytes.resize(codes.size() / row_codes * (1 + row_codes * 2));
   std::uint8_t* to = bytes.data();
   for (const std::uint16_t* row = codes.data(); row != codes.data() + codes.size(); row += row_codes) {
@@ -57,7 +58,7 @@ struct Band {
 
 // A piece of one deflate stream: a sync flush ends it on a byte border, so that pieces can be put one behind
 // the other.
-Band deflate_band(const std::vector<std::uint8_t>& raw, bool is_last) {
+Band deflate_band(const UninitializedVector<std::uint8_t>& raw, bool is_last) {
   Band band;
   band.raw_bytes = raw.size();
   band.adler = ::adler32_z(::adler32_z(0, nullptr, 0), raw.data(), raw.size());
@@ -80,28 +81,12 @@ Band deflate_band(const std::vector<std::uint8_t>& raw, bool is_last) {
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes,
-                                       bool is_srgb) {
-  ALU_CHECK(width > 0 && height > 0 &&
-                codes.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-            "{} x {}, {} codes", width, height, codes.size());
+void write_png16(int width, int height, bool is_srgb, const RowOfCodes& row_of, const ByteSink& sink) {
+  ALU_CHECK(width > 0 && height > 0, "{} x {}", width, height);
   // avail_in is 32 bits: 64 rows of the widest image are 6.3 MB.
   static_assert(std::int64_t{kBandRows} * (1 + 6 * std::int64_t{kMaxImageSidePx}) < std::int64_t{1} << 31);
   ALU_CHECK(width <= kMaxImageSidePx, "{} px wide", width);
-  const std::size_t row_codes = 3 * static_cast<std::size_t>(width);
-  const int band_count = (height + kBandRows - 1) / kBandRows;
-  std::vector<Band> bands(static_cast<std::size_t>(band_count));
-  parallel_for(band_count, [&](std::int64_t index) {
-    const std::size_t first = static_cast<std::size_t>(index) * kBandRows * row_codes;
-    const std::size_t count = std::min(kBandRows * row_codes, codes.size() - first);
-    bands[static_cast<std::size_t>(index)] =
-        deflate_band(filtered(codes.subspan(first, count), row_codes), index + 1 == band_count);
-  });
-
   std::vector<std::uint8_t> bytes{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  std::size_t total = 200;
-  for (const Band& band : bands) total += band.deflated.size() + 12;
-  bytes.reserve(total);
   std::vector<std::uint8_t> header;
   put_big_endian(header, static_cast<std::uint32_t>(width));
   put_big_endian(header, static_cast<std::uint32_t>(height));
@@ -112,18 +97,53 @@ std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const st
   } else {
     put_chunk(bytes, "gAMA", std::array<std::uint8_t, 4>{0, 1, 0x86, 0xa0});  // 1.0 in units of 1/100000
   }
+  sink(bytes);
+
+  const std::size_t row_codes = 3 * static_cast<std::size_t>(width);
+  const int band_count = (height + kBandRows - 1) / kBandRows;
+  // A round of bands is compressed while the disk takes the one before.
+  const int bands_a_round = 4 * thread_count();
   uLong adler = ::adler32_z(0, nullptr, 0);
-  for (std::size_t i = 0; i < bands.size(); ++i) {
-    adler = ::adler32_combine(adler, bands[i].adler, static_cast<z_off_t>(bands[i].raw_bytes));
-    if (i == 0)
-      bands[i].deflated.insert(bands[i].deflated.begin(),
-                               {0x78, 0x01});  // zlib header: 32 KiB window, fastest
-    if (i + 1 == bands.size()) put_big_endian(bands[i].deflated, static_cast<std::uint32_t>(adler));
-    put_chunk(bytes, "IDAT", bands[i].deflated);
-    bands[i].deflated = {};
+  for (int begin = 0; begin < band_count; begin += bands_a_round) {
+    std::vector<Band> bands(static_cast<std::size_t>(std::min(bands_a_round, band_count - begin)));
+    parallel_for(static_cast<std::int64_t>(bands.size()), [&](std::int64_t index) {
+      const int band = begin + static_cast<int>(index), first = band * kBandRows,
+                rows = std::min(kBandRows, height - first);
+      UninitializedVector<std::uint16_t> codes(static_cast<std::size_t>(rows) * row_codes);
+      for (int row = 0; row < rows; ++row)
+        row_of(first + row, codes.data() + static_cast<std::size_t>(row) * row_codes);
+      bands[static_cast<std::size_t>(index)] =
+          deflate_band(filtered(codes, row_codes), band + 1 == band_count);
+    });
+    for (std::size_t i = 0; i < bands.size(); ++i) {
+      const int band = begin + static_cast<int>(i);
+      adler = ::adler32_combine(adler, bands[i].adler, static_cast<z_off_t>(bands[i].raw_bytes));
+      std::vector<std::uint8_t>& data = bands[i].deflated;
+      if (band == 0) data.insert(data.begin(), {0x78, 0x01});  // zlib header: 32 KiB window, fastest
+      if (band + 1 == band_count) put_big_endian(data, static_cast<std::uint32_t>(adler));
+      bytes.clear();
+      put_chunk(bytes, "IDAT", data);
+      sink(bytes);
+    }
   }
+  bytes.clear();
   put_chunk(bytes, "IEND", {});
-  return bytes;
+  sink(bytes);
+}
+
+std::vector<std::uint8_t> encode_png16(int width, int height, std::span<const std::uint16_t> codes,
+                                       bool is_srgb) {
+  const std::size_t row_codes = 3 * static_cast<std::size_t>(width);
+  ALU_CHECK(codes.size() == row_codes * static_cast<std::size_t>(height), "{} x {}, {} codes", width, height,
+            codes.size());
+  std::vector<std::uint8_t> all;
+  write_png16(
+      width, height, is_srgb,
+      [&](int row, std::uint16_t* to) {
+        std::copy_n(codes.data() + static_cast<std::size_t>(row) * row_codes, row_codes, to);
+      },
+      [&](std::span<const std::uint8_t> bytes) { all.insert(all.end(), bytes.begin(), bytes.end()); });
+  return all;
 }
 
 }  // namespace aluminate::host

@@ -132,7 +132,7 @@ TEST(CorrectPhoto, ThreadsDoNotChangeAnything) {
   const Photo photo = photo_of(test::photograph(scene), Encoding::Srgb, "test");
   const PatchColours patches = colours_of(sample_patches(photo, scene.corners));
   const Fit fit = fit_transform(FitKind::AffinePolyAffine, 3, patches, chart_reference(scene.edition));
-  std::vector<float> first;
+  host::UninitializedVector<float> first;
   for (const int threads : {1, 2, 5}) {
     host::set_thread_count(threads);
     Photo corrected = photo;
