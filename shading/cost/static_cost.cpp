@@ -45,16 +45,19 @@ using WordsByOrigin = std::vector<std::pair<vm::SourceLine, double>>;
 /// Slots, operations and fetches: the same on every platform.
 void count_instructions(const vm::Program& program, const vm::Block& block, const GpuModel& gpu,
                         const Assumptions& assumptions, const std::vector<int>& slots, BlockCost& cost) {
-  const double filter =
-      assumptions.filter == FilterAssumption::Trilinear ? gpu.texture.trilinear_cyc.value : 1.0;
+  const auto mipmapped = [&](vm::SamplerDimension dimension) {
+    return assumptions.filter == FilterAssumption::Trilinear ||
+           (assumptions.filter == FilterAssumption::Targets && dimension == vm::SamplerDimension::TexCube);
+  };
   for (std::uint32_t i = block.begin; i < block.end; ++i) {
     const vm::Instruction& instruction = program.code[i];
     cost.alu_slots += slots[i];
     cost.tex_slots += texture_slots(program, instruction);
     if (is_texture(instruction.op)) {
       ++cost.fetches;
-      const bool volume = program.samplers[instruction.sampler].dimension == vm::SamplerDimension::Tex3D;
-      cost.fetch_cyc += filter * (volume ? gpu.texture.volume_cyc.value : 1.0);
+      const vm::SamplerDimension dimension = program.samplers[instruction.sampler].dimension;
+      cost.fetch_cyc += (mipmapped(dimension) ? gpu.texture.trilinear_cyc.value : 1.0) *
+                        (dimension == vm::SamplerDimension::Tex3D ? gpu.texture.volume_cyc.value : 1.0);
     }
   }
 }

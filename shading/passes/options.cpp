@@ -183,6 +183,8 @@ const std::vector<OptionInfo>& option_table() {
       {"toksvig", "off|texture|dxt5|material",
        "gloss filtered by the normal map, and where it is kept (off)"},
       {"shadows", "on|off", "shadow maps of directional and spot lights (off)"},
+      {"reflections", "FILE|off",
+       "cube map of `aluminate cubemap` as specular ambient light; its sky follows --time (off)"},
       {"tonemap", "none|reinhard|filmic", "tone map before display (none: clamp)"},
       {"number", "fx31|fx24|...|q16.16|ref64", "number format of the shader VM (fx31)"},
       {"platform", "xenos|rsx|...|FILE.toml", "console whose bill is written (xenos)"},
@@ -239,6 +241,8 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
     options.toksvig = choose(key, value, kToksvigModes);
   } else if (key == "shadows") {
     options.shadows = choose(key, value, kOnOff);
+  } else if (key == "reflections") {
+    options.reflections = value == "off" ? "" : value;
   } else if (key == "tonemap") {
     options.tonemap = choose(key, value, kTonemaps);
   } else if (key == "number") {

@@ -59,9 +59,12 @@ struct FrameOptions {
   std::set<std::string, std::less<>> no_skip;
   ToksvigMode toksvig = ToksvigMode::Off;
   bool shadows = false;
+  std::string reflections;   // captured cube map, see reflections.hpp; empty: none
+  bool dome = true;          // false: the sky lights but is not drawn; captures only, no option sets it
   bool checked = false;  // name every instruction that saturated
 
   bool has_sky() const { return sky != "none"; }
+  bool has_reflections() const { return !reflections.empty(); }
 };
 
 struct OptionInfo {
