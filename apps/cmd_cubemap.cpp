@@ -1,4 +1,5 @@
-// aluminate cubemap SCENE -o OUT.exr: the surroundings of a point, filtered by gloss, for `render --reflections`.
+// aluminate cubemap SCENE -o OUT.exr: the surroundings of a point, filtered by gloss, for `render
+// --reflections`.
 #include <fmt/format.h>
 
 #include <vector>
@@ -48,16 +49,19 @@ void add_cubemap(CLI::App& app, Session&) {
   CLI::App* command = app.add_subcommand("cubemap", "capture the surroundings of a point as a cube map");
   command->footer(
       "Example:\n  aluminate cubemap scenes/samples/beach_hut.gltf --sky fc3 --ambient sky -o hut_cube.exr\n"
-      "  aluminate render scenes/samples/beach_hut.gltf --sky fc3 --ambient sky --reflections hut_cube.exr -o hut.png");
+      "  aluminate render scenes/samples/beach_hut.gltf --sky fc3 --ambient sky --reflections hut_cube.exr "
+      "-o hut.png");
   command->add_option("SCENE", a->scene, ".gltf or .glb")->required();
-  command->add_option("-o,--output", a->output, "six faces side by side, levels one below the other, .exr")->required();
+  command->add_option("-o,--output", a->output, "six faces side by side, levels one below the other, .exr")
+      ->required();
   command->add_option("--at", a->at, "point to look around from, world units (the middle of the scene)")
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
-  command->add_option("--face", a->request.face_px, "texels along an edge: 16, 32, 64 or 128 (64)")->type_name("N");
-  a->frame.add_to(*command, {"lights", "ambient", "sky", "time", "sun", "polarizer", "background", "pipeline", "visibility",
-                             "fresnel", "toksvig", "shadows", "number", "shader", "vm", "D"});
+  command->add_option("--face", a->request.face_px, "texels along an edge: 16, 32, 64 or 128 (64)")
+      ->type_name("N");
+  a->frame.add_to(*command, {"lights", "ambient", "sky", "time", "sun", "polarizer", "background", "pipeline",
+                             "visibility", "fresnel", "toksvig", "shadows", "number", "shader", "vm", "D"});
   command->callback([a] { run(*a); });
 }
 

@@ -54,13 +54,15 @@ bool is_cube_size(int size) noexcept {
 }
 
 glm::dvec3 cube_direction(int face, int x, int y, int size) noexcept {
-  const double s = (2 * x + 1) / static_cast<double>(size) - 1, t = (2 * y + 1) / static_cast<double>(size) - 1;
+  const double s = (2 * x + 1) / static_cast<double>(size) - 1,
+               t = (2 * y + 1) / static_cast<double>(size) - 1;
   const glm::dvec3 faces[6] = {{1, -t, -s}, {-1, -t, s}, {s, 1, t}, {s, -1, -t}, {s, -t, 1}, {-s, -t, -1}};
   return faces[face] / std::sqrt(1 + s * s + t * t);
 }
 
 double cube_solid_angle(int x, int y, int size) noexcept {
-  const double s = (2 * x + 1) / static_cast<double>(size) - 1, t = (2 * y + 1) / static_cast<double>(size) - 1;
+  const double s = (2 * x + 1) / static_cast<double>(size) - 1,
+               t = (2 * y + 1) / static_cast<double>(size) - 1;
   const double near = 1 / std::sqrt(1 + s * s + t * t);
   return 4.0 / (static_cast<double>(size) * size) * (near * near * near);
 }

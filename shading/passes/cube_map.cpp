@@ -47,8 +47,8 @@ glm::dvec3 captured(const Frame& frame, std::size_t pixel) {
   return glm::clamp(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0, kGreatestCaptured);
 }
 
-// Pixels of the pictures into texels of the face. Both grids are the same square seen from the same point, so that the
-// middle of each finer texel is the middle of a pixel, whichever way the camera is turned.
+// Pixels of the pictures into texels of the face. Both grids are the same square seen from the same point, so
+// that the middle of each finer texel is the middle of a pixel, whichever way the camera is turned.
 void store_face(const FacePictures& pictures, int face, CubeMap& map) {
   const int size = map.seen.size, fine = size * kCaptureSamples;
   const ViewRays rays(pictures.view);
@@ -73,16 +73,19 @@ void store_face(const FacePictures& pictures, int face, CubeMap& map) {
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw UserError(fmt::format("{}: {}", path, what), "captured cube maps are made by: aluminate cubemap SCENE -o " + path);
+  throw UserError(fmt::format("{}: {}", path, what),
+                  "captured cube maps are made by: aluminate cubemap SCENE -o " + path);
 }
 
 }  // namespace
 
-CubeMap capture_cube_map(const scenes::Scene& scene, const FrameOptions& options, const CaptureRequest& request) {
+CubeMap capture_cube_map(const scenes::Scene& scene, const FrameOptions& options,
+                         const CaptureRequest& request) {
   ALU_CHECK(filter::is_cube_size(request.face_px), "face of {} texels", request.face_px);
   CubeMap map;
   map.seen.size = request.face_px;
-  const std::size_t texels = 6 * static_cast<std::size_t>(request.face_px) * static_cast<std::size_t>(request.face_px);
+  const std::size_t texels =
+      6 * static_cast<std::size_t>(request.face_px) * static_cast<std::size_t>(request.face_px);
   map.seen.texels.assign(texels, glm::dvec4(0));
   map.surface.assign(texels, glm::dvec3(0));
   FrameOptions of_face = options;
@@ -90,8 +93,7 @@ CubeMap capture_cube_map(const scenes::Scene& scene, const FrameOptions& options
   of_face.msaa = 1;
   of_face.reflections.clear();
   of_face.tonemap = Tonemap::None;
-  const glm::dvec3 eye =
-      request.at_given ? request.at : scenes::normalised_space(scene).centre;
+  const glm::dvec3 eye = request.at_given ? request.at : scenes::normalised_space(scene).centre;
   for (int face = 0; face < 6; ++face) store_face(draw_face(scene, of_face, eye, face), face, map);
   return map;
 }
@@ -141,18 +143,20 @@ CubeMap read_cube_map(const std::string& path) {
   for (int face = 0; face < 6; ++face)
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
-        const std::size_t pixel =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(face * size + x);
+        const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                  static_cast<std::size_t>(face * size + x);
         const auto value = [&](std::size_t c, double greatest) {
           const double v = image.texels[pixel * image.channels.size() + channel[c]];
           if (!(v >= 0 && v <= greatest))
-            refuse(path, fmt::format("face {} texel {},{}: {} is {}, expected 0 to {}", face, x, y, kChannels[c], v, greatest));
+            refuse(path, fmt::format("face {} texel {},{}: {} is {}, expected 0 to {}", face, x, y,
+                                     kChannels[c], v, greatest));
           return v;
         };
         const std::size_t texel = map.seen.index(face, x, y);
         map.seen.texels[texel] = {value(0, kGreatestCaptured), value(1, kGreatestCaptured),
                                   value(2, kGreatestCaptured), value(3, 1)};
-        map.surface[texel] = {value(4, kGreatestCaptured), value(5, kGreatestCaptured), value(6, kGreatestCaptured)};
+        map.surface[texel] = {value(4, kGreatestCaptured), value(5, kGreatestCaptured),
+                              value(6, kGreatestCaptured)};
       }
   return map;
 }

@@ -18,9 +18,11 @@ void light_sky(const sky::Sky& sky, const glm::dvec3& polarizer, CubeMap& map) {
         const std::size_t i = map.seen.index(face, x, y);
         glm::dvec4& texel = map.seen.texels[i];
         if (texel.w == 0.0) continue;
-        const glm::dvec3 seen = sky::extended_radiance(sky, sky::world_to_z_up(filter::cube_direction(face, x, y, size)));
+        const glm::dvec3 seen =
+            sky::extended_radiance(sky, sky::world_to_z_up(filter::cube_direction(face, x, y, size)));
         for (int c = 0; c < 3; ++c)
-          texel[c] = std::min(map.surface[i][c] + texel.w * snapped(seen[c]) * polarizer[c], kGreatestCaptured);
+          texel[c] =
+              std::min(map.surface[i][c] + texel.w * snapped(seen[c]) * polarizer[c], kGreatestCaptured);
       }
 }
 
@@ -41,14 +43,16 @@ Reflections make_reflections(CubeMap map, const std::optional<SkySetup>& sky, co
     vm::MipLevel mip{level.size, level.size, 6, {}, {}};
     mip.codes16.reserve(4 * level.texels.size());
     for (const glm::dvec4& texel : level.texels)
-      for (int c = 0; c < 4; ++c) mip.codes16.push_back(code(std::min(texel[c] / (c < 3 ? range : 1.0), 1.0)));
+      for (int c = 0; c < 4; ++c)
+        mip.codes16.push_back(code(std::min(texel[c] / (c < 3 ? range : 1.0), 1.0)));
     levels.push_back(std::move(mip));
   }
   return {vm::Texture::from_levels(vm::TextureShape::Cube, std::move(levels), false),
           {range, filter::cube_level_bias(size), 0, 0}};
 }
 
-Reflections load_reflections(const std::string& path, const std::optional<SkySetup>& sky, const glm::dvec3& polarizer) {
+Reflections load_reflections(const std::string& path, const std::optional<SkySetup>& sky,
+                             const glm::dvec3& polarizer) {
   return make_reflections(read_cube_map(path), sky, polarizer);
 }
 

@@ -36,8 +36,9 @@ std::string cubemap_text(const std::vector<filter::CubeLevel>& chain) {
     sum /= solid_angle;
     const double power = filter::cube_level_power(static_cast<int>(k), chain.front().size);
     table.add_row({fmt::format("{}", k), fmt::format("6 x {0}x{0}", level.size),
-                   k == 0 ? "as captured" : fmt::format("{:.0f}", power), fmt::format("{:.3f}", std::log2(power) / 13),
-                   fmt::format("{:.4f}", sum.x), fmt::format("{:.4f}", sum.y), fmt::format("{:.4f}", sum.z),
+                   k == 0 ? "as captured" : fmt::format("{:.0f}", power),
+                   fmt::format("{:.3f}", std::log2(power) / 13), fmt::format("{:.4f}", sum.x),
+                   fmt::format("{:.4f}", sum.y), fmt::format("{:.4f}", sum.z),
                    fmt::format("{:.3f}", greatest), fmt::format("{:.1f} %", 100 * sum.w)});
   }
   return table.text();

@@ -59,10 +59,12 @@ TEST(CubeFilter, ALitTexelSpreadsAsTheLobeOfTheLevelsPower) {
         double all = 0;
         for (int face = 0; face < 6; ++face)
           for (int j = 0; j < 32; ++j)
-            for (int i = 0; i < 32; ++i) all += weight(r, cube_direction(face, i, j, 32)) * cube_solid_angle(i, j, 32);
+            for (int i = 0; i < 32; ++i)
+              all += weight(r, cube_direction(face, i, j, 32)) * cube_solid_angle(i, j, 32);
         const double want = weight(r, light) * cube_solid_angle(9, 20, 32) / all;
         // What is left out: weights below 2^-30 of the greatest, fewer than 2^13 of them.
-        EXPECT_NEAR(level.texels[level.index(2, x, y)].x, want, 0x1p-17 * 1e-3 + 1e-9 * want) << k << " " << x << "," << y;
+        EXPECT_NEAR(level.texels[level.index(2, x, y)].x, want, 0x1p-17 * 1e-3 + 1e-9 * want)
+            << k << " " << x << "," << y;
       }
   }
 }

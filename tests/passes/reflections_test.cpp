@@ -1,5 +1,5 @@
-// Captured cube maps: the same renderer as the picture, a sky that follows the time of day, a polariser that reaches sky
-// texels and nothing else.
+// Captured cube maps: the same renderer as the picture, a sky that follows the time of day, a polariser that
+// reaches sky texels and nothing else.
 #include "shading/passes/reflections.hpp"
 
 #include <gtest/gtest.h>
@@ -33,8 +33,8 @@ class MapFile {
  public:
   explicit MapFile(const CubeMap& map) : path_(::testing::TempDir() + "aluminate_reflections_test.exr") {
     const auto bytes = encode_cube_map(map, filter::prefilter(map.seen));
-    std::ofstream(path_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()),
-                                                 static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path_, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
   ~MapFile() { std::remove(path_.c_str()); }
   const std::string& path() const { return path_; }
@@ -63,7 +63,9 @@ TEST(CubeMap, SkyTexelsAreTheSkyInTheirDirection) {
         glm::dvec3 mean(0);
         for (int j = 0; j < 4; ++j)
           for (int k = 0; k < 4; ++k)
-            mean += sky::extended_radiance(sky, sky::world_to_z_up(filter::cube_direction(face, 4 * x + k, 4 * y + j, 64))) / 16.0;
+            mean += sky::extended_radiance(
+                        sky, sky::world_to_z_up(filter::cube_direction(face, 4 * x + k, 4 * y + j, 64))) /
+                    16.0;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(texel[c], mean[c], 2.5e-4 * mean[c] + 1e-5);
       }
   EXPECT_GT(open, 300);
@@ -73,7 +75,8 @@ TEST(CubeMap, SkyTexelsAreTheSkyInTheirDirection) {
 
 TEST(CubeMap, PolariserChangesExactlyTheSkyTexels) {
   const std::string sky = "sky=fc3,time=16:00,ambient=sky";
-  const CubeMap plain = captured(sky), one = captured(sky + ",polarizer=1,1,1"), filtered = captured(sky + ",polarizer=0.5,0.75,2");
+  const CubeMap plain = captured(sky), one = captured(sky + ",polarizer=1,1,1"),
+                filtered = captured(sky + ",polarizer=0.5,0.75,2");
   EXPECT_EQ(one.seen.texels, plain.seen.texels);
   EXPECT_EQ(filtered.surface, plain.surface);
   const glm::dvec3 factor(0.5, 0.75, 2);
@@ -88,7 +91,8 @@ TEST(CubeMap, PolariserChangesExactlyTheSkyTexels) {
 }
 
 TEST(Reflections, SkyFollowsTheTimeOfDayAndSurfacesStay) {
-  const CubeMap morning = captured("sky=fc3,time=08:00,ambient=sky"), evening = captured("sky=fc3,time=17:30,ambient=sky");
+  const CubeMap morning = captured("sky=fc3,time=08:00,ambient=sky"),
+                evening = captured("sky=fc3,time=17:30,ambient=sky");
   const auto at = [](const std::string& more) { return make_sky_setup(options_for("sky=fc3," + more)); };
   const Reflections relit = make_reflections(morning, at("time=17:30"), glm::dvec3(1));
   const Reflections again = make_reflections(evening, at("time=17:30"), glm::dvec3(1));
@@ -97,7 +101,9 @@ TEST(Reflections, SkyFollowsTheTimeOfDayAndSurfacesStay) {
   for (std::size_t i = 0; i < morning.seen.texels.size(); ++i) {
     const double share = morning.seen.texels[i].w;
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto value = [&](const Reflections& r) { return r.texture.linear16(0, i, c) / 65535.0 * r.uniform.x; };
+      const auto value = [&](const Reflections& r) {
+        return r.texture.linear16(0, i, c) / 65535.0 * r.uniform.x;
+      };
       const double step = std::max({relit.uniform.x, again.uniform.x, dimmed.uniform.x}) / 65535;
       if (share == 1) EXPECT_NEAR(value(relit), value(again), step);  // one sky, whatever was captured
       if (share == 1) EXPECT_NEAR(value(dimmed), 0.5 * value(relit), step);
@@ -118,7 +124,8 @@ TEST(Reflections, AFileIsReadAsItWasWritten) {
     for (int c = 0; c < 4; ++c) EXPECT_EQ(read.seen.texels[i][c], static_cast<float>(map.seen.texels[i][c]));
     for (int c = 0; c < 3; ++c) EXPECT_EQ(read.surface[i][c], static_cast<float>(map.surface[i][c]));
   }
-  EXPECT_THROW(read_cube_map(std::string(ALUMINATE_SOURCE_DIR) + "/docs/images/beach_hut_day.png"), UserError);
+  EXPECT_THROW(read_cube_map(std::string(ALUMINATE_SOURCE_DIR) + "/docs/images/beach_hut_day.png"),
+               UserError);
 }
 
 TEST(Reflections, AreLightOfTheSurfaceAndOneMoreFetch) {
