@@ -10,6 +10,7 @@ Standard library only: the pictures are the program's own 8-bit PNGs.
 """
 
 import argparse
+import itertools
 import json
 import math
 import os
@@ -154,9 +155,8 @@ def read_exr(path, box=1):
         length = lines * width * 16
         raw = data[block + 8:block + 8 + size]
         if size < length:
-            raw = bytearray(zlib.decompress(raw))
-            for i in range(1, length):
-                raw[i] = (raw[i - 1] + raw[i] - 128) & 255
+            steps = itertools.accumulate(zlib.decompress(raw))  # each byte is the change from the one before, plus 128
+            raw = bytes((total - 128 * i) & 255 for i, total in enumerate(steps))
             half = (length + 1) // 2
             both = bytearray(length)
             both[0::2], both[1::2] = raw[:half], raw[half:]
@@ -213,7 +213,7 @@ def bumpy_floor(folder):
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TANGENT": 2, "TEXCOORD_0": 3},
                                     "indices": 4, "material": 0}]}],
         "materials": [{"name": "waves", "normalTexture": {"index": 0}, "pbrMetallicRoughness": {
-            "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 1, "roughnessFactor": 0.3}}],
+            "baseColorFactor": [0.05, 0.05, 0.05, 1], "metallicFactor": 1, "roughnessFactor": 0.3}}],
         "textures": [{"source": 0}], "images": [{"uri": "waves.png"}],
         "buffers": [{"uri": "floor.bin", "byteLength": len(body)}],
         "bufferViews": [{"buffer": 0, "byteOffset": o, "byteLength": n} for o, n in views], "accessors": accessors}
