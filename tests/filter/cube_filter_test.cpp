@@ -73,7 +73,9 @@ TEST(CubeFilter, LevelOfAPowerIsWhereThatPowerIsKept) {
   for (const int size : {16, 64, 128})
     for (int k = 1; size >> k > 0; ++k) {
       const double power = cube_level_power(k, size);
-      if (power <= 8192) EXPECT_DOUBLE_EQ(cube_level_bias(size) - 0.5 * std::log2(power), k);
+      if (power <= 8192) {
+        EXPECT_DOUBLE_EQ(cube_level_bias(size) - 0.5 * std::log2(power), k);
+      }
     }
   EXPECT_EQ(cube_level_power(0, 64), 8192);
   EXPECT_TRUE(is_cube_size(64));

@@ -55,8 +55,12 @@ TEST(CubeMap, SkyTexelsAreTheSkyInTheirDirection) {
         const glm::dvec4& texel = map.seen.texels[i];
         texel.w == 1 ? ++open : texel.w == 0 ? ++closed : ++between;
         for (int c = 0; c < 3; ++c) {
-          if (texel.w == 1) EXPECT_EQ(map.surface[i][c], 0);
-          if (texel.w == 0) EXPECT_EQ(map.surface[i][c], texel[c]);
+          if (texel.w == 1) {
+            EXPECT_EQ(map.surface[i][c], 0);
+          }
+          if (texel.w == 0) {
+            EXPECT_EQ(map.surface[i][c], texel[c]);
+          }
         }
         if (texel.w != 1) continue;
         // The mean of the 16 pixels drawn; the shader's sky errs by 2.5e-4 (sky_frame_test.cpp).
@@ -85,7 +89,9 @@ TEST(CubeMap, PolariserChangesExactlyTheSkyTexels) {
     for (int c = 0; c < 3; ++c) {
       const double of_sky = plain.seen.texels[i][c] - plain.surface[i][c];
       EXPECT_NEAR(filtered.seen.texels[i][c], plain.surface[i][c] + of_sky * factor[c], 1e-6 * (1 + of_sky));
-      if (plain.seen.texels[i].w == 0) EXPECT_EQ(filtered.seen.texels[i][c], plain.seen.texels[i][c]);
+      if (plain.seen.texels[i].w == 0) {
+        EXPECT_EQ(filtered.seen.texels[i][c], plain.seen.texels[i][c]);
+      }
     }
   }
 }
@@ -105,10 +111,18 @@ TEST(Reflections, SkyFollowsTheTimeOfDayAndSurfacesStay) {
         return r.texture.linear16(0, i, c) / 65535.0 * r.uniform.x;
       };
       const double step = std::max({relit.uniform.x, again.uniform.x, dimmed.uniform.x}) / 65535;
-      if (share == 1) EXPECT_NEAR(value(relit), value(again), step);  // one sky, whatever was captured
-      if (share == 1) EXPECT_NEAR(value(dimmed), 0.5 * value(relit), step);
-      if (share == 0) EXPECT_NEAR(value(relit), morning.seen.texels[i][static_cast<int>(c)], step);
-      if (share == 0) EXPECT_NEAR(value(dimmed), value(relit), step);
+      if (share == 1) {  // one sky, whatever was captured
+        EXPECT_NEAR(value(relit), value(again), step);
+      }
+      if (share == 1) {
+        EXPECT_NEAR(value(dimmed), 0.5 * value(relit), step);
+      }
+      if (share == 0) {
+        EXPECT_NEAR(value(relit), morning.seen.texels[i][static_cast<int>(c)], step);
+      }
+      if (share == 0) {
+        EXPECT_NEAR(value(dimmed), value(relit), step);
+      }
     }
     open += share == 1;
   }
