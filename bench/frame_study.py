@@ -15,6 +15,7 @@ import json
 import math
 import os
 import random
+import shutil
 import struct
 import subprocess
 import tempfile
@@ -273,7 +274,7 @@ UNCALIBRATED = {"planks": (0.45, 0.5, 0.6), "thatch": (1.0, 0.8, 0.55), "sand": 
 
 
 def uncalibrated(source, folder):
-    """The scene with its albedo as UNCALIBRATED says, beside links to what it refers to."""
+    """The scene with its albedo as UNCALIBRATED says, beside copies of what it refers to."""
     document = json.load(open(source))
     for material in document["materials"]:
         gain = UNCALIBRATED.get(material["name"])
@@ -282,9 +283,7 @@ def uncalibrated(source, folder):
             factor = base.get("baseColorFactor", [1, 1, 1, 1])
             base["baseColorFactor"] = [min(1.0, f * g) for f, g in zip(factor, gain)] + factor[3:]
     for item in document.get("images", []) + document["buffers"]:
-        link = os.path.join(folder, item["uri"])
-        if not os.path.exists(link):
-            os.symlink(os.path.abspath(os.path.join(os.path.dirname(source), item["uri"])), link)
+        shutil.copyfile(os.path.join(os.path.dirname(source), item["uri"]), os.path.join(folder, item["uri"]))
     path = os.path.join(folder, "uncalibrated.gltf")
     json.dump(document, open(path, "w"))
     return path
