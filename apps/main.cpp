@@ -85,6 +85,7 @@ int run(int argc, char** argv) {
   add_sweep(app, session);
   add_sky(app, session);
   add_toksvig(app, session);
+  add_cubemap(app, session);
   add_calibrate(app, session);
   add_doctor(app, session);
 

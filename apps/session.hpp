@@ -47,6 +47,7 @@ void add_diff(CLI::App& app, Session& session);
 void add_sweep(CLI::App& app, Session& session);
 void add_sky(CLI::App& app, Session& session);
 void add_toksvig(CLI::App& app, Session& session);
+void add_cubemap(CLI::App& app, Session& session);
 void add_calibrate(CLI::App& app, Session& session);
 void add_check(CLI::App& app, Session& session);
 void add_doctor(CLI::App& app, Session& session);

@@ -45,8 +45,10 @@ using WordsByOrigin = std::vector<std::pair<vm::SourceLine, double>>;
 /// Slots, operations and fetches: the same on every platform.
 void count_instructions(const vm::Program& program, const vm::Block& block, const GpuModel& gpu,
                         const Assumptions& assumptions, const std::vector<int>& slots, BlockCost& cost) {
-  const double filter =
-      assumptions.filter == FilterAssumption::Trilinear ? gpu.texture.trilinear_cyc.value : 1.0;
+  const auto mipmapped = [&](vm::SamplerDimension dimension) {
+    return assumptions.filter == FilterAssumption::Trilinear ||
+           (assumptions.filter == FilterAssumption::Targets && dimension == vm::SamplerDimension::TexCube);
+  };
   for (std::uint32_t i = block.begin; i < block.end; ++i) {
     const vm::Instruction& instruction = program.code[i];
     cost.alu_slots += slots[i];
@@ -55,7 +57,8 @@ void count_instructions(const vm::Program& program, const vm::Block& block, cons
       ++cost.fetches;
       const vm::SamplerDimension dimension = program.samplers[instruction.sampler].dimension;
       const bool is_anisotropic = dimension == vm::SamplerDimension::Tex2D && instruction.op != Opcode::TexLod;
-      cost.fetch_cyc += filter * (is_anisotropic ? assumptions.anisotropy : 1) *
+      cost.fetch_cyc += (mipmapped(dimension) ? gpu.texture.trilinear_cyc.value : 1.0) *
+                        (is_anisotropic ? assumptions.anisotropy : 1) *
                         (dimension == vm::SamplerDimension::Tex3D ? gpu.texture.volume_cyc.value : 1.0);
     }
   }

@@ -16,8 +16,9 @@ namespace aluminate::cost {
 inline constexpr int kVectorPixels = 64;  // the estimate's unit on every platform
 
 /// What the estimate assumes about textures; the default is the period tool's own assumption (8 bits a
-/// component, bilinear). The multipliers are figures of the platform.
-enum class FilterAssumption : std::uint8_t { Bilinear, Trilinear };
+/// component, bilinear). Targets: flat textures are targets read back, one texel each, cube maps have mips. The
+/// multipliers are figures of the platform.
+enum class FilterAssumption : std::uint8_t { Bilinear, Trilinear, Targets };
 enum class PairingRule : std::uint8_t {
   Strict,
   Loose

@@ -227,8 +227,8 @@ void bind_samplers(const DrawList& list, int anisotropy, DrawState& draw) {
   const PixelProgram& program = list.pixel_programs[static_cast<std::size_t>(draw.pixel_program)];
   for (const vm::SamplerSymbol& symbol : program.program.samplers) {
     vm::SamplerBinding binding;
-    if (symbol.name == "shadow_map" && list.shadow_atlas) {
-      binding = {list.shadow_atlas.get(), kPointSampler};
+    if (const auto of_frame = frame_sampler(list, symbol.name)) {
+      binding = *of_frame;
     } else if (symbol.name == "toksvig_map") {
       binding = {list.toksvig->texture(*draw.material),
                  sampler_state(draw.material->normal_map.sampler, anisotropy)};
@@ -256,6 +256,13 @@ FrameUniforms make_uniforms(const FrameOptions& options, const DrawList& list) {
 
 }  // namespace
 
+std::optional<vm::SamplerBinding> frame_sampler(const DrawList& list, std::string_view name) {
+  if (name == "shadow_map") return vm::SamplerBinding{list.shadow_atlas.get(), kPointSampler};
+  if (name == "reflection_map" && list.reflections)
+    return vm::SamplerBinding{&list.reflections->texture, vm::SamplerState{}};
+  return std::nullopt;
+}
+
 DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options) {
   DrawList list;
   list.gpu = console::load_platform(options.platform);
@@ -275,7 +282,8 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
   if (options.pipeline == Pipeline::Deferred && options.msaa > 1)
     throw UserError(fmt::format("--pipeline deferred with --msaa {}: the G-buffer holds one sample a pixel",
                                 options.msaa),
-                    "use --msaa 1, or --pipeline forward");
+                    "four would take six eDRAM parts and their average is no surface (docs/frame.md): use --msaa 1, "
+                    "or --pipeline forward");
   if (options.pipeline == Pipeline::Deferred && !options.shader.empty())
     throw UserError("--shader replaces the forward shader, but --pipeline deferred was asked for",
                     "use --pipeline forward with your own shader");
@@ -291,6 +299,10 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     list.warnings = list.lights.warnings;
   }
   list.uniforms.lights = list.lights.lights;
+  if (options.has_reflections()) {
+    list.reflections = load_reflections(options.reflections, sky, options.polarizer);
+    list.uniforms.reflection = list.reflections->uniform;
+  }
   list.uniforms.sky = std::move(sky);
   choose_gbuffer(scene, options.pipeline, list);
   Permutations permutations(list, options);
@@ -318,7 +330,7 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     list.varying_count += draw.mesh->positions.size() * program.varyings.size();
     draws.push_back(std::move(draw));
   };
-  bool dome_due = options.has_sky();
+  bool dome_due = options.has_sky() && options.dome;
   const auto add_dome = [&] {
     dome_due = false;
     DrawState draw;

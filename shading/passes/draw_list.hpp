@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "shading/cost/static_cost.hpp"
 #include "shading/passes/frame.hpp"
 #include "shading/passes/programs.hpp"
+#include "shading/passes/reflections.hpp"
 #include "shading/passes/textures.hpp"
 #include "shading/passes/uniforms.hpp"
 #include "shading/passes/vertex_stage.hpp"
@@ -96,6 +98,7 @@ struct DrawList {
   ShadowPlan shadows;
   std::unique_ptr<vm::Texture> shadow_atlas;  // where `shadows` is drawn; null without
   std::unique_ptr<ToksvigSet> toksvig;
+  std::optional<Reflections> reflections;
   FrameUniforms uniforms;
   int gbuffer_targets = 0;                 // 32-bit colour targets; 0: no G-buffer
   std::vector<raster::Draw> raster_draws;  // parallel to draws
@@ -104,6 +107,9 @@ struct DrawList {
   std::uint64_t sanitised_constants = 0;
   std::vector<std::string> warnings;
 };
+
+/// What a sampler that belongs to the frame and to no material reads; no value for other names.
+std::optional<vm::SamplerBinding> frame_sampler(const DrawList& list, std::string_view name);
 
 /// Throws UserError for a camera, platform, shader or texture that cannot be used.
 DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options);

@@ -82,7 +82,7 @@ class Planner {
 
   PixelProgram program(const LightGroup& group) const {
     PixelProgram light = make_pixel_program(compile_deferred_light(options_, group), list_.format, list_.gpu,
-                                            {.filter = cost::FilterAssumption::Bilinear});
+                                            {.filter = cost::FilterAssumption::Targets});
     choose_tier(light.executable, options_.vm);
     return light;
   }

@@ -34,9 +34,7 @@ LightStage::LightStage(const DrawList& list, const LightPlan& plan, const GBuffe
   for (const PixelProgram& program : plan.programs) {
     std::vector<vm::SamplerBinding>& bindings = samplers_.emplace_back();
     for (const vm::SamplerSymbol& symbol : program.program.samplers)
-      bindings.push_back(symbol.name == "shadow_map"
-                             ? vm::SamplerBinding{list.shadow_atlas.get(), kPointSampler}
-                             : gbuffer.binding(symbol.name));
+      bindings.push_back(frame_sampler(list, symbol.name).value_or(gbuffer.binding(symbol.name)));
     scratch_.fit(program.executable);
     vm_counters_.emplace_back(program.executable);
     inputs = std::max(inputs, program.inputs.size());

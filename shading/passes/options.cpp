@@ -188,6 +188,8 @@ const std::vector<OptionInfo>& option_table() {
       {"textures", "rgba8|dxt", "maps as the file has them, or through DXT1, DXT5 and DXT5nm (rgba8)"},
       {"anisotropy", "1|2|4|8|16", "most samples a fetch takes along the longer axis of a pixel (1)"},
       {"shadows", "on|off", "shadow maps of directional and spot lights (off)"},
+      {"reflections", "FILE|off",
+       "cube map of `aluminate cubemap` as specular ambient light; its sky follows --time (off)"},
       {"tonemap", "none|reinhard|filmic", "tone map before display (none: clamp)"},
       {"number", "fx31|fx24|...|q16.16|ref64", "number format of the shader VM (fx31)"},
       {"platform", "xenos|rsx|...|FILE.toml", "console whose bill is written (xenos)"},
@@ -248,6 +250,8 @@ void set_option(FrameOptions& options, std::string_view key, std::string_view va
     options.anisotropy = choose(key, value, kAnisotropies);
   } else if (key == "shadows") {
     options.shadows = choose(key, value, kOnOff);
+  } else if (key == "reflections") {
+    options.reflections = value == "off" ? "" : value;
   } else if (key == "tonemap") {
     options.tonemap = choose(key, value, kTonemaps);
   } else if (key == "number") {

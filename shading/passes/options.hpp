@@ -62,9 +62,12 @@ struct FrameOptions {
   TextureStorage textures = TextureStorage::Rgba8;
   int anisotropy = 1;  // most samples a fetch of a surface's map takes along its longer axis
   bool shadows = false;
+  std::string reflections;   // captured cube map, see reflections.hpp; empty: none
+  bool dome = true;          // false: the sky lights but is not drawn; captures only, no option sets it
   bool checked = false;  // name every instruction that saturated
 
   bool has_sky() const { return sky != "none"; }
+  bool has_reflections() const { return !reflections.empty(); }
 };
 
 struct OptionInfo {

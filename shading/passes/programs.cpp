@@ -112,6 +112,7 @@ void add_frame_defines(const FrameOptions& options, const LightSetup& lights, bo
   if (lights.shadows > 0) c.defines.emplace_back("SHADOW_COUNT", fmt::format("{}", lights.shadows));
   if (options.ambient == AmbientKind::Sky) c.defines.emplace_back("AMBIENT_KIND", "1");
   if (options.ambient == AmbientKind::Hemisphere) c.defines.emplace_back("AMBIENT_KIND", "2");
+  if (options.has_reflections()) c.defines.emplace_back("REFLECTIONS", "1");
   c.loops = rolled ? compiler::LoopMode::Rolled : compiler::LoopMode::AsWritten;
 }
 

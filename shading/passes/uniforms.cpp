@@ -80,6 +80,7 @@ const std::map<std::string, Source, std::less<>>& sources() {
        [](const FrameUniforms& f, const scenes::Material&) {
          return Value{{f.polarizer, 1.0}};
        }},
+      {"reflection", [](const FrameUniforms& f, const scenes::Material&) { return Value{f.reflection}; }},
       {"ambient_sh",
        [](const FrameUniforms& f, const scenes::Material&) {
          return Value(sky_of(f).ambient_sh.begin(), sky_of(f).ambient_sh.end());

@@ -27,11 +27,15 @@ struct FrameUniforms {
   std::optional<SkySetup> sky;
   AmbientKind ambient_kind = AmbientKind::Flat;
   glm::dvec3 polarizer{1};
+  glm::dvec4 reflection{0};  // lighting.hlsl; zero: no cube map
   double dome_depth =
       1;  // clip z at w = 1 that rounds to the last depth before the cleared one, or just before
   double emissive_scale = 0;  // power of two no emissive factor exceeds; 0: nothing glows
 
   bool has_ambient() const {
+    return reflection != glm::dvec4(0) || has_diffuse_ambient();
+  }
+  bool has_diffuse_ambient() const {
     return ambient_kind == AmbientKind::Flat ? ambient > 0 : ambient_kind != AmbientKind::None;
   }
 };

@@ -11,15 +11,16 @@ float4 main(float4 screen : TEXCOORD0  // uv, ndc
 #endif
             ) : COLOR0 {
   Surface s = from_gbuffer(screen.xy);
+  float3 position = position_from_depth(screen.xy, screen.zw);
   float3 radiance = float3(0.0, 0.0, 0.0);
 #if ACCUMULATE
   radiance = below.rgb;
 #endif
 #if AMBIENT
-  radiance += s.emissive + ambient_reflected(s);
+  radiance += s.emissive + ambient_reflected(s, position);
 #endif
 #if LIGHT_COUNT > 0
-  radiance = add_lights(s, position_from_depth(screen.xy, screen.zw), radiance);
+  radiance = add_lights(s, position, radiance);
 #endif
   return float4(radiance, 1.0);
 }

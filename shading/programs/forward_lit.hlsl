@@ -11,6 +11,6 @@ float4 main(Interpolants i) : COLOR0 {
   return base;
 #else
   Surface s = surface(i, base);
-  return float4(add_lights(s, i.position, s.emissive + ambient_reflected(s)), s.alpha);
+  return float4(add_lights(s, i.position, s.emissive + ambient_reflected(s, i.position)), s.alpha);
 #endif
 }

@@ -1,8 +1,9 @@
 // Light on a surface, the same for every pipeline [McAuley12]:
 //
-//   Lo = emissive + occlusion * ambient(n) * (cdiff + cspec)
+//   Lo = emissive + occlusion * (ambient(n) * cdiff + specular ambient)
 //      + sum_i color_i * att_i * (n.l) * (cdiff + F * V * norm(m) * (n.h)^m)
 //
+// Specular ambient is ambient(n) * cspec, or with REFLECTIONS a captured cube map filtered by gloss (filter/cube_filter.hpp).
 // All dots are clamped to [0, 1]. There is no branch on n.l: a light behind the surface is multiplied away.
 #include "surface.hlsl"
 #include "brdf.hlsl"
@@ -50,12 +51,38 @@ float3 ambient_light(float3 n) {
 #endif
 }
 
-float3 ambient_reflected(Surface s) { return s.occlusion * ambient_light(s.n) * (s.cdiff + s.cspec); }
-
 float3 to_eye(float3 position) {
   float3 v = eye.xyz - position;
   return v * rsqrt(max(dot(v, v), 0.00000001));
 }
+
+#if REFLECTIONS
+samplerCUBE reflection_map;
+float4 reflection;                     // x: greatest value of the map; y: level of power 1
+
+// Reflectance under light from everywhere [Lazarov13]; brdf/environment.hpp.
+float3 environment_reflectance(float gloss, float n_dot_v, float3 cspec) {
+  float a0 = saturate(exp2(-9.28L * n_dot_v));
+  a0 = gloss * (1.0416666666666667L * min(a0, 0.475 * gloss) + 0.018229166666666668L) - 0.015625;
+  float a1 = 0.25 * gloss + 0.75;
+  return saturate(a0 + cspec * (a1 - a0));
+}
+
+float3 reflected_surroundings(Surface s, float3 position) {
+  float3 v = to_eye(position);
+  float n_dot_v = dot(s.n, v);
+  float log2_m = log2(s.m);
+  float3 r = 2.0 * n_dot_v * s.n - v;
+  float3 light = texCUBElod(reflection_map, float4(r, reflection.y - 0.5 * log2_m)).rgb * reflection.x;
+  return light * environment_reflectance(0.076923076923076927L * log2_m, saturate(n_dot_v), s.cspec);
+}
+
+float3 ambient_reflected(Surface s, float3 position) {
+  return s.occlusion * (ambient_light(s.n) * s.cdiff + reflected_surroundings(s, position));
+}
+#else
+float3 ambient_reflected(Surface s, float3 position) { return s.occlusion * ambient_light(s.n) * (s.cdiff + s.cspec); }
+#endif
 
 #if LIGHT_COUNT > 0
 float3 punctual(Surface s, float3 cspec_8, float3 position, float3 v, float n_dot_v, int i) {

@@ -255,6 +255,7 @@ std::string canonical_command(const std::string& verb, const Origin& origin) {
   if (o.toksvig != passes::ToksvigMode::Off)
     text += fmt::format(" --toksvig {}", passes::to_string(o.toksvig));
   if (o.shadows) text += " --shadows on";
+  if (o.has_reflections()) text += " --reflections " + o.reflections;
   if (!o.shader.empty()) text += " --shader " + o.shader;
   for (const auto& [name, value] : o.defines) text += fmt::format(" -D {}={}", name, value);
   return text;

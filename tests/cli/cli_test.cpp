@@ -71,6 +71,24 @@ TEST_F(Cli, MistypedOptionsGetASuggestion) {
   expect_user_error({"render", kWall, "-o", path("a.png"), "--no-skip", "facign"}, "facing");
 }
 
+TEST_F(Cli, ACapturedCubeMapIsReflected) {
+  ASSERT_EQ(run_program({"cubemap", kWall, "--face", "16", "--sky", "fc3", "-o", path("cube.exr")}).code, 0);
+  const std::vector<std::string> render{"render", kWall, "--size", "64x36", "--sky", "fc3", "-o"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = render;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  ASSERT_EQ(run_program(with({path("plain.png"), "--reflections", "off"})).code, 0);
+  ASSERT_EQ(run_program(with({path("with.png"), "--reflections", path("cube.exr")})).code, 0);
+  EXPECT_NE(read(path("plain.png")), read(path("with.png")));
+  expect_user_error(with({path("a.png"), "--reflections", path("none.exr")}), "none.exr");
+  expect_user_error(with({path("a.png"), "--reflections", path("plain.png")}), "no captured cube map");
+  expect_user_error({"cubemap", kWall, "--face", "20", "-o", path("b.exr")}, "16, 32, 64 or 128");
+  expect_user_error({"cubemap", kWall, "-o", path("b.png")}, ".exr");
+  expect_user_error({"cubemap", kWall, "--at", "1,2", "-o", path("b.exr")}, "--at");
+}
+
 TEST_F(Cli, BadValuesNameTheOptionAndWhatIsExpected) {
   expect_user_error({"render", kWall, "-o", path("a.png"), "--size", "0x480"}, "1 to 16384");
   expect_user_error({"render", kWall, "-o", path("a.png"), "--size", "640"}, "WIDTHxHEIGHT");

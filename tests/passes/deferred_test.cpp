@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
 #include <vector>
 
 #include "scenes/loader.hpp"
+#include "shading/brdf/environment.hpp"
 #include "shading/brdf/punctual.hpp"
 #include "shading/brdf/srgb.hpp"
 #include "shading/passes/tile_worker.hpp"
@@ -96,8 +99,14 @@ class Shading {
       lights.push_back(
           {l, light.color * (brdf::clamped(1 - reach * reach) * cone * cone / (light.k0 + d2 * light.k1))});
     }
-    return brdf::outgoing_radiance(s, lights, {options_.visibility, options_.fresnel},
-                                   glm::dvec3(options_.ambient_value));
+    glm::dvec3 radiance = brdf::outgoing_radiance(s, lights, {options_.visibility, options_.fresnel},
+                                                  glm::dvec3(options_.ambient_value));
+    if (!options_.has_reflections()) return radiance;
+    const double gloss = p.specular.channel(3), n_dot_v = brdf::clamped(glm::dot(s.normal, s.to_eye));
+    for (int c = 0; c < 3; ++c)
+      radiance[c] += s.occlusion * (kSurroundings * brdf::environment_reflectance(gloss, n_dot_v, s.cspec[c]) -
+                                    options_.ambient_value * s.cspec[c]);
+    return radiance;
   }
 
   // Everything a surface may radiate that stores this pixel.
@@ -124,7 +133,9 @@ class Shading {
     for (std::size_t c = 0; c < 3; ++c)
       sum.at[c] =
           (list_.uniforms.emissive_scale > 0 ? emissive.at[c] * list_.uniforms.emissive_scale : Interval()) +
-          occlusion * options_.ambient_value * (cdiff.at[c] + cspec.at[c]);
+          occlusion * (options_.has_reflections()
+                           ? options_.ambient_value * cdiff.at[c] + surroundings(gloss, n_dot_v, cspec.at[c])
+                           : options_.ambient_value * (cdiff.at[c] + cspec.at[c]));
     for (const scenes::ShadingLight& light : list_.lights.lights) {
       Interval3 to_light;
       for (int c = 0; c < 3; ++c)
@@ -155,7 +166,17 @@ class Shading {
     return sum;
   }
 
+  /// Light from every direction, of the reflections these tests draw with.
+  static constexpr double kSurroundings = 0.5;
+
  private:
+  // Rises with gloss and cspec, falls with n.v.
+  static Interval surroundings(Interval gloss, Interval n_dot_v, Interval cspec) {
+    return Interval{brdf::environment_reflectance(gloss.low, n_dot_v.high, cspec.low),
+                    brdf::environment_reflectance(gloss.high, n_dot_v.low, cspec.high)} *
+           kSurroundings;
+  }
+
   static constexpr double kGrid =
       1e-7;  // forward's interpolated position and normal lie on the format's grid
 
@@ -248,6 +269,27 @@ TEST(Deferred, ForwardLiesInTheCellOfWhatWasStored) {
       // The bound says something: most channels may move by less than 0.1 at all.
       EXPECT_GT(tally.tight, tally.pixels * 3 / 2) << name << " " << visibility.name;
     }
+}
+
+TEST(Deferred, ForwardLiesInTheCellWithReflectionsToo) {
+  // Surroundings of one colour: what a lookup gives does not depend on the direction, only the reflectance does.
+  CubeMap map;
+  map.seen = {16, std::vector<glm::dvec4>(6 * 16 * 16, glm::dvec4(glm::dvec3(Shading::kSurroundings), 0))};
+  map.surface.assign(6 * 16 * 16, glm::dvec3(Shading::kSurroundings));
+  FrameOptions options;
+  options.width = 160;
+  options.height = 90;
+  options.reflections = ::testing::TempDir() + "aluminate_deferred_test.exr";
+  const auto bytes = encode_cube_map(map, filter::prefilter(map.seen));
+  std::ofstream(options.reflections, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  for (const char* name : {"material_wall", "beach_hut"}) {
+    const Tally tally = compare(test::sample_scene(name), options);
+    EXPECT_GT(tally.pixels, 500u) << name;
+    EXPECT_EQ(tally.outside, 0u) << name << ", by " << tally.worst_outside;
+    EXPECT_EQ(tally.off_reference, 0u) << name << ", by " << tally.worst_reference;
+  }
+  std::remove(options.reflections.c_str());
 }
 
 TEST(Deferred, WhatIsDrawnOnTopIsTheForwardDraw) {
