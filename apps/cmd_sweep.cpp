@@ -2,7 +2,6 @@
 // Exit 0 all results are there, 1 jobs of other shards are missing, 2 a job failed.
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <memory>
 
 #include "apps/session.hpp"
@@ -18,17 +17,9 @@ struct Arguments {
   std::string shard;
 };
 
-// Under Open MPI's mpirun every process is a shard.
-std::string shard_from_launcher() {
-  const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
-  const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
-  return rank && size ? fmt::format("{}/{}", std::atoi(rank) + 1, size) : std::string();
-}
-
 void run(Arguments& a, Session& session) {
   a.request.options = a.frame.resolve();
   for (const std::string& text : a.vary) report::add_variation(a.request, text);
-  if (a.shard.empty()) a.shard = shard_from_launcher();
   if (!a.shard.empty()) report::parse_shard(a.request, a.shard);
   const report::SweepDone done = report::run_sweep(a.request);
   fmt::print("{}", report::sweep_text(done, a.request.folder));
@@ -45,6 +36,8 @@ void add_sweep(CLI::App& app, Session& session) {
       "Examples:\n  aluminate sweep a.glb b.glb --vary 'visibility=cheap|schlick-smith' --vary "
       "'platform=xenos|rsx' -o out\n"
       "  mpirun -n 8 aluminate sweep a.glb --vary 'lights=rig:1|rig:4|rig:16' -o out --threads 1\n"
+      "Processes that share the folder pull jobs from it. Without a shared folder, deal them out and collect "
+      "out/jobs:\n"
       "  aluminate sweep a.glb --vary ... -o out --shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT");
   command->add_option("SCENE", a->request.scenes, ".gltf or .glb files")->required();
   command->add_option("--vary", a->vary, "an option and its values; the last one given varies fastest")

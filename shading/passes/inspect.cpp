@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "platform/host/error.hpp"
 #include "platform/host/text_table.hpp"
@@ -11,6 +12,7 @@
 #include "rasterizer/quads.hpp"
 #include "scenes/scene.hpp"
 #include "shading/passes/bill.hpp"
+#include "shading/passes/pixel_fragments.hpp"
 #include "shading/passes/prepared.hpp"
 #include "shading/passes/resolve.hpp"
 #include "shading/passes/shade.hpp"
@@ -61,7 +63,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       if ((raster::shaded_lanes(stamp.covered) >> lane & 1) == 0) continue;
       if (!program_of(stamp.draw).straight_line) continue;  // billed as executed, see shade()
       const PathInfo& path = program_of(stamp.draw).path;
-      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "hidden" : "helper lane",
+      add_visit(stamp.draw, (stamp.covered >> lane & 1) ? "z-failed" : "helper lane",
                 {path.alu_words, path.alu_slots, path.fetches, path.fetch_cyc});
     }
   }
@@ -89,7 +91,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
       shader_.run(job);
       for (const int lane : here)
         if (batch.billed >> (lane & ~3) & 0xf)
-          add_visit(batch.draw, (batch.billed >> lane & 1) ? "hidden" : "helper lane",
+          add_visit(batch.draw, (batch.billed >> lane & 1) ? "z-failed" : "helper lane",
                     executed_cost(program, lane_blocks, lane));
       job.covered = batch.visible;
       job.lane_blocks = nullptr;
@@ -129,7 +131,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
     const bool lit =
         drawn_.lit()[static_cast<std::size_t>(raster::stamp_of(x_, y_))] >> raster::lane_of(x_, y_) & 1;
     for (PixelVisit& visit : report_.visits)
-      if (screen_draw(visit.draw) && visit.outcome == "hidden") visit.outcome = lit ? "lit" : "not lit";
+      if (screen_draw(visit.draw) && visit.outcome == "z-failed") visit.outcome = lit ? "lit" : "not lit";
     if (!lit) return;
     glm::dvec3 radiance(0.0);
     const auto groups = light_.trace(x_ + tile_.view().origin.x, y_ + tile_.view().origin.y, radiance);
@@ -179,7 +181,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
         for (std::size_t s = 0; s < samples_; ++s)
           if (quad.samples >> (4 * s + static_cast<std::size_t>(lane)) & 1) compose(s, lane, false);
       for (auto visit = report_.visits.rbegin(); visit != report_.visits.rend(); ++visit) {
-        if (visit->draw != quad.draw || visit->outcome != "hidden") continue;
+        if (visit->draw != quad.draw || visit->outcome != "z-failed") continue;
         visit->outcome = "drawn";
         break;
       }
@@ -215,6 +217,37 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
   std::uint64_t survivors_ = 0;
 };
 
+// Fragments of one draw stand together in submission order and cost the same, so which of them passed is a
+// matter of how many did: the first ones are taken to have failed.
+void name_fragments(const PreparedFrame& prepared, int tile, int x, int y, PixelReport& report) {
+  const auto counted = [&](raster::BillRule::Kind rule) {
+    std::map<std::uint32_t, int> count;
+    for (const std::uint32_t draw : fragments_at(prepared, tile, x, y, rule)) ++count[draw];
+    return count;
+  };
+  const std::map<std::uint32_t, int> covering = counted(raster::BillRule::Kind::Everything);
+  std::map<std::uint32_t, int> passing = counted(raster::BillRule::Kind::PerPixel);
+  for (auto visit = report.visits.rbegin(); visit != report.visits.rend(); ++visit) {
+    if (visit->draw >= prepared.list.draws.size() || visit->outcome == "helper lane") continue;
+    const bool opaque = prepared.raster_frame.draws()[visit->draw].draw_class == raster::DrawClass::Opaque;
+    if (passing[visit->draw]-- > 0 && visit->outcome == "z-failed" && opaque) visit->outcome = "overdrawn";
+  }
+  for (const auto& [draw, fragments] : covering) {
+    const auto shaded = std::count_if(
+        report.visits.begin(), report.visits.end(),
+        [&, draw = draw](const PixelVisit& v) { return v.draw == draw && v.outcome != "helper lane"; });
+    auto behind = report.visits.begin();  // the last visit of this or an earlier draw
+    for (auto visit = report.visits.begin(); visit != report.visits.end(); ++visit)
+      if (visit->draw <= draw) behind = visit + 1;
+    const PixelProgram& program =
+        prepared.list.pixel_programs[static_cast<std::size_t>(prepared.list.draws[draw].pixel_program)];
+    const PixelVisit rejected{draw, prepared.list.draws[draw].mesh->name, program.path.program,
+                              "z-failed early"};
+    if (fragments > shaded)
+      report.visits.insert(behind, static_cast<std::size_t>(fragments - shaded), rejected);
+  }
+}
+
 std::string value_text(const TracedInstruction& row) {
   std::string text;
   for (std::size_t c = 0; c < 4; ++c)
@@ -245,6 +278,7 @@ PixelReport inspect_pixel(const scenes::Scene& scene, const FrameOptions& option
   TileWorker worker(prepared, options, gbuffer, scratch);
   worker.run(tile);
   Microscope(prepared, options, gbuffer, worker, report).look(tile, x, y);
+  name_fragments(prepared, tile, x % raster::kTilePx, y % raster::kTilePx, report);
   return report;
 }
 
@@ -253,7 +287,7 @@ std::string pixel_text(const PixelReport& report) {
   std::string text =
       fmt::format("pixel ({}, {})  linear {:.6g} {:.6g} {:.6g}  depth {} of 16777215\n\n", report.x, report.y,
                   report.linear[0], report.linear[1], report.linear[2], report.depth_d24);
-  if (report.visits.empty()) return text + "no draw was billed here\n";
+  if (report.visits.empty()) return text + "no draw covers this pixel\n";
   host::TextTable visits({{"draw", Align::Right},
                           {"mesh"},
                           {"program"},

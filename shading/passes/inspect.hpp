@@ -19,11 +19,14 @@ struct TracedInstruction {
   bool saturated = false;
 };
 
-/// One billed visit of a draw to the pixel.
+/// One fragment of a draw at the pixel, or one helper lane: on the bill, or turned away before it was shaded.
 struct PixelVisit {
   std::uint32_t draw = 0;
   std::string mesh, program;
-  std::string outcome;  // "drawn", "hidden", "discarded", "blended", "helper lane"
+  /// "drawn", "blended", "discarded" (alpha test) · "overdrawn": passed the depth test, a later draw covers
+  /// it · "z-failed": shaded, then behind what was there · "z-failed early": rejected before shading, costs
+  /// nothing · "helper lane" · "lit", "not lit": draws over the G-buffer.
+  std::string outcome;
   std::uint32_t alu_words = 0, alu_slots = 0, fetches = 0, fetch_cyc = 0;
 };
 

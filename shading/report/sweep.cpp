@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "platform/host/error.hpp"
+#include "platform/host/file_lock.hpp"
 #include "platform/host/hash.hpp"
 #include "platform/host/input_file.hpp"
 #include "platform/host/interrupt.hpp"
@@ -72,18 +73,23 @@ class Sweep {
     claim_folder();
     SweepDone done;
     done.jobs = jobs_.size();
+    host::LockFile locks(request_.folder + "/jobs.lock");
+    std::vector<const Job*> busy;
     for (const Job& job : jobs_) {
       if (job.index % static_cast<std::size_t>(request_.shards) !=
           static_cast<std::size_t>(request_.shard - 1))
         continue;
       if (result_of(job)) {
         ++done.kept;
-        continue;
+      } else if (locks.try_lock(job.index)) {
+        finish(job, locks, done);
+      } else {
+        busy.push_back(&job);
       }
-      host::throw_if_interrupted();
-      host::write_file(path_of(job),
-                       ordered_json({{"job", job.name()}, {"result", execute(job)}}).dump(1) + "\n");
-      ++done.ran;
+    }
+    for (const Job* job : busy) {
+      locks.lock(job->index);
+      finish(*job, locks, done);
     }
     std::vector<ordered_json> results;
     for (const Job& job : jobs_) {
@@ -96,6 +102,7 @@ class Sweep {
       results.push_back(*result);
     }
     if (done.missing == 0) {
+      locks.lock(jobs_.size());  // one writer at a time; all write the same
       write_tables(results);
       done.table_written = true;
     }
@@ -103,6 +110,19 @@ class Sweep {
   }
 
  private:
+  // Runs a job whose lock is held, unless somebody has just finished it, and lets go of it.
+  void finish(const Job& job, host::LockFile& locks, SweepDone& done) {
+    if (result_of(job)) {
+      ++done.kept;
+    } else {
+      host::throw_if_interrupted();
+      host::write_file(path_of(job),
+                       ordered_json({{"job", job.name()}, {"result", execute(job)}}).dump(1) + "\n");
+      ++done.ran;
+    }
+    locks.unlock(job.index);
+  }
+
   // The first process writes down what the sweep is; the others must agree.
   void claim_folder() const {
     host::make_directories(request_.folder + "/jobs");
@@ -265,9 +285,9 @@ void parse_shard(SweepRequest& request, const std::string& text) {
 SweepDone run_sweep(const SweepRequest& request) { return Sweep(request).run(); }
 
 std::string sweep_text(const SweepDone& done, const std::string& folder) {
-  std::string text =
-      fmt::format("{} jobs: {} run here, {} of this shard had a result, {} missing, {} failed\n", done.jobs,
-                  done.ran, done.kept, done.missing, done.failed.size());
+  std::string text = fmt::format(
+      "{} jobs: {} run here, {} already had a result or got it from another process, {} missing, {} failed\n",
+      done.jobs, done.ran, done.kept, done.missing, done.failed.size());
   for (const std::string& name : done.failed) text += fmt::format("failed: {}\n", name);
   return text + (done.table_written
                      ? fmt::format("{0}/table.csv\n{0}/table.json\n{0}/table.md\n", folder)

@@ -160,6 +160,7 @@ TEST(Bill, ThreadsAndSkipsChangeNothing) {
 void expect_inspection_agrees(const char* name, const FrameOptions& options, int step) {
   const scenes::Scene& scene = test::sample_scene(name);
   const Frame frame = render_frame(scene, options);
+  std::uint32_t rejected = 0;
   for (int y = 3; y < 54; y += 10 * step)
     for (int x = 5; x < 96; x += 13 * step) {
       const PixelReport pixel = inspect_pixel(scene, options, x, y);
@@ -167,10 +168,23 @@ void expect_inspection_agrees(const char* name, const FrameOptions& options, int
       EXPECT_EQ(pixel.alu_words, frame.cost.alu_words[at]) << x << "," << y;
       EXPECT_EQ(pixel.fetches, frame.cost.fetches[at]) << x << "," << y;
       EXPECT_EQ(pixel.depth_d24, frame.depth_d24[at]) << x << "," << y;
+      std::uint32_t shaded = 0, early = 0, helpers = 0;
+      for (const PixelVisit& visit : pixel.visits) {
+        helpers += visit.outcome == "helper lane";
+        early += visit.outcome == "z-failed early";
+        if (visit.outcome != "helper lane" && visit.outcome != "z-failed early") ++shaded;
+        if (visit.outcome == "z-failed early") {
+          EXPECT_EQ(visit.alu_words + visit.alu_slots + visit.fetches + visit.fetch_cyc, 0u);
+        }
+      }
+      EXPECT_EQ(shaded, frame.cost.overdraw[at]) << x << "," << y;
+      EXPECT_EQ(helpers, frame.cost.helpers[at]) << x << "," << y;
+      rejected += early;
       if (!frame.covered[at]) continue;
       for (std::size_t c = 0; c < 3; ++c)  // the frame is stored in binary32, blended sums too
         EXPECT_NEAR(pixel.linear[c], frame.linear[4 * at + c], 1e-6 * (1 + pixel.linear[c])) << x << "," << y;
     }
+  EXPECT_GT(rejected, 0u) << "no fragment was turned away: the scene says nothing about those";
 }
 
 TEST(Bill, InspectionOfAPixelAgreesWithTheLayers) {
