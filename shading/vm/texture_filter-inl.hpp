@@ -4,7 +4,7 @@
 //   out  Taps: addresses and weights; then per channel the weighted sum of the four texels, scaled by 2^16,
 //   exact
 // A pair of neighbouring texels is one load. Two lanes share a vector from there on, each in a 128-bit block,
-// all four channels side by side: gathers, which would keep lanes apart, cost an AVX2 core twice the time.
+// all four channels side by side: gathers, which would keep lanes apart, made a fetch half as long again on an AVX2 core.
 // Included once per instruction set, see simd_lanes-inl.hpp.
 #if defined(ALUMINATE_TEXTURE_FILTER) == defined(HWY_TARGET_TOGGLE)
 #ifdef ALUMINATE_TEXTURE_FILTER
