@@ -14,7 +14,7 @@ TEST(Options, EveryListedNameCanBeSet) {
       {"time", "06:30"},          {"sun", "10,45"},
       {"polarizer", "0.5,0.8,1"}, {"background", "0,0.5,1"},
       {"pipeline", "deferred"},   {"visibility", "cheap"},
-      {"fresnel", "sg"},          {"toksvig", "dxt5"},
+      {"fresnel", "sg"},          {"toksvig", "dxt5"}, {"reflections", "cube.exr"},
       {"shadows", "on"},          {"tonemap", "reinhard"},
       {"number", "fx28"},         {"platform", "rsx"},
       {"shader", "a.hlsl"},       {"light-loop", "rolled"},
