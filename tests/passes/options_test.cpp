@@ -7,19 +7,31 @@ namespace aluminate::passes {
 namespace {
 
 TEST(Options, EveryListedNameCanBeSet) {
-  const std::vector<std::pair<std::string, std::string>> examples = {
-      {"size", "64x48"},          {"msaa", "4"},
-      {"camera", "inside"},       {"lights", "lamps:3"},
-      {"ambient", "hemisphere"},  {"sky", "fc3"},
-      {"time", "06:30"},          {"sun", "10,45"},
-      {"polarizer", "0.5,0.8,1"}, {"background", "0,0.5,1"},
-      {"pipeline", "deferred"},   {"visibility", "cheap"},
-      {"fresnel", "sg"},          {"toksvig", "dxt5"}, {"reflections", "cube.exr"},
-      {"shadows", "on"},          {"tonemap", "reinhard"},
-      {"number", "fx28"},         {"platform", "rsx"},
-      {"shader", "a.hlsl"},       {"light-loop", "rolled"},
-      {"vm", "interpreter"},      {"no-skip", "facing"},
-      {"checked", "true"},        {"D", "A=1"}};
+  const std::vector<std::pair<std::string, std::string>> examples = {{"size", "64x48"},
+                                                                     {"msaa", "4"},
+                                                                     {"camera", "inside"},
+                                                                     {"lights", "lamps:3"},
+                                                                     {"ambient", "hemisphere"},
+                                                                     {"sky", "fc3"},
+                                                                     {"time", "06:30"},
+                                                                     {"sun", "10,45"},
+                                                                     {"polarizer", "0.5,0.8,1"},
+                                                                     {"background", "0,0.5,1"},
+                                                                     {"pipeline", "deferred"},
+                                                                     {"visibility", "cheap"},
+                                                                     {"fresnel", "sg"},
+                                                                     {"toksvig", "dxt5"},
+                                                                     {"shadows", "on"},
+                                                                     {"reflections", "cube.exr"},
+                                                                     {"tonemap", "reinhard"},
+                                                                     {"number", "fx28"},
+                                                                     {"platform", "rsx"},
+                                                                     {"shader", "a.hlsl"},
+                                                                     {"light-loop", "rolled"},
+                                                                     {"vm", "interpreter"},
+                                                                     {"no-skip", "facing"},
+                                                                     {"checked", "true"},
+                                                                     {"D", "A=1"}};
   ASSERT_EQ(examples.size(), option_table().size());
   for (std::size_t i = 0; i < examples.size(); ++i) {
     EXPECT_EQ(option_table()[i].name, examples[i].first);
@@ -38,9 +50,10 @@ TEST(Options, AssignmentsMayHoldCommasInTheirValues) {
 
 TEST(Options, NonsenseIsRefused) {
   FrameOptions options;
-  for (const char* text : {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000",
-                           "ambient=flat:nan", "ambient=flat:-1", "lights=rig:2.5", "background=2,0,0",
-                           "D=1A", "number=fx", "sky=16", "time=24:00", "sun=91,0", "polarizer=1,2", "shadows=maybe", "no-skip=everything", "nothing=1", "checked=maybe"})
+  for (const char* text :
+       {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000", "ambient=flat:nan",
+        "ambient=flat:-1", "lights=rig:2.5", "background=2,0,0", "D=1A", "number=fx", "sky=16", "time=24:00",
+        "sun=91,0", "polarizer=1,2", "shadows=maybe", "no-skip=everything", "nothing=1", "checked=maybe"})
     EXPECT_THROW(set_options(options, text), UserError) << text;
 }
 
