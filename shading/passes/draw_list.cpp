@@ -300,7 +300,8 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
   }
   list.uniforms.lights = list.lights.lights;
   if (options.has_reflections()) {
-    list.reflections = load_reflections(options.reflections, sky, options.polarizer);
+    list.reflections =
+        std::make_unique<Reflections>(load_reflections(options.reflections, sky, options.polarizer));
     list.uniforms.reflection = list.reflections->uniform;
   }
   list.uniforms.sky = std::move(sky);

@@ -98,7 +98,7 @@ struct DrawList {
   ShadowPlan shadows;
   std::unique_ptr<vm::Texture> shadow_atlas;  // where `shadows` is drawn; null without
   std::unique_ptr<ToksvigSet> toksvig;
-  std::optional<Reflections> reflections;
+  std::unique_ptr<Reflections> reflections;  // draws point into it; null without
   FrameUniforms uniforms;
   int gbuffer_targets = 0;                 // 32-bit colour targets; 0: no G-buffer
   std::vector<raster::Draw> raster_draws;  // parallel to draws

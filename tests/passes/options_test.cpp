@@ -16,7 +16,8 @@ TEST(Options, EveryListedNameCanBeSet) {
       {"pipeline", "deferred"},   {"visibility", "cheap"},
       {"fresnel", "sg"},          {"toksvig", "dxt5"},
       {"textures", "dxt"},        {"anisotropy", "8"},
-      {"shadows", "on"},          {"tonemap", "reinhard"},
+      {"shadows", "on"},          {"reflections", "cube.exr"},
+      {"tonemap", "reinhard"},
       {"number", "fx28"},         {"platform", "rsx"},
       {"shader", "a.hlsl"},       {"light-loop", "rolled"},
       {"vm", "interpreter"},      {"no-skip", "facing"},
@@ -39,9 +40,11 @@ TEST(Options, AssignmentsMayHoldCommasInTheirValues) {
 
 TEST(Options, NonsenseIsRefused) {
   FrameOptions options;
-  for (const char* text : {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000",
-                           "ambient=flat:nan", "ambient=flat:-1", "lights=rig:2.5", "background=2,0,0",
-                           "D=1A", "number=fx", "sky=16", "time=24:00", "sun=91,0", "polarizer=1,2", "shadows=maybe", "textures=png", "anisotropy=3", "no-skip=everything", "nothing=1", "checked=maybe"})
+  for (const char* text :
+       {"visibility", "visibility=", "size=10", "size=10x", "size=1e3x10000000", "ambient=flat:nan",
+        "ambient=flat:-1", "lights=rig:2.5", "background=2,0,0", "D=1A", "number=fx", "sky=16", "time=24:00",
+        "sun=91,0", "polarizer=1,2", "shadows=maybe", "textures=png", "anisotropy=3", "no-skip=everything",
+        "nothing=1", "checked=maybe"})
     EXPECT_THROW(set_options(options, text), UserError) << text;
 }
 
