@@ -29,7 +29,7 @@ def files(root):
             if path.is_dir():
                 if path.name not in SKIPPED_FOLDERS:
                     pending.append(path)
-            elif path.is_file():
+            elif path.is_file() and path.name != ".git":  # of a linked work tree: a file that names the real one
                 found.append((path.relative_to(root).as_posix(), path))
     return sorted(found)
 

@@ -1,4 +1,4 @@
-// program_bits [FILE]: runs every program of FILE (write_shipped makes it) and 300 random ones in every number format on
+// program_bits FILE: runs every program of FILE, if given (write_shipped makes it), and 300 random ones in every number format on
 // fixed batches, and prints a hash of all that comes out: outputs, kills and saturations. The same lines on every machine.
 #include <bit>
 #include <cstdio>
