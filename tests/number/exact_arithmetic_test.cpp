@@ -190,9 +190,9 @@ TEST(Saturation, OverflowClampsAndIsReportedButTheModifierIsNot) {
 }
 
 TEST(NumberFormats, NamesParseAndOthersDoNot) {
-  for (const char* good : {"fx20", "fx31", "fx40", "q16.16", "q2.0", "q2.30", "q32.0", "ref64"})
+  for (const char* good : {"fx20", "fx31", "fx40", "q16.16", "q2.0", "q2.30", "q32.0", "ref64", "auto"})
     EXPECT_TRUE(parse_number_format(good).has_value()) << good;
-  for (const char* bad : {"", "fx", "fx19", "fx41", "fx031", "FX31", "q16", "q16.", "q.16", "q1.31", "q16.17", "q0.8", "ref32", "auto", "q-2.8", "fx31 "})
+  for (const char* bad : {"", "fx", "fx19", "fx41", "fx031", "FX31", "q16", "q16.", "q.16", "q1.31", "q16.17", "q0.8", "ref32", "Auto", "auto31", "q-2.8", "fx31 "})
     EXPECT_FALSE(parse_number_format(bad).has_value()) << bad;
 }
 
