@@ -151,7 +151,8 @@ Row summary(const std::vector<Case>& cases, std::string_view number) {
   if (count == 0 || cheap == 0) return row;
   row.worst.relative_mean /= count;
   row.worst.step_mean /= count;
-  row.variant_ratio = row.worst.step_mean / (variant / cheap);
+  // A scene without lights shows no difference to measure against.
+  row.variant_ratio = variant > 0 ? row.worst.step_mean / (variant / cheap) : 0;
   row.time_ratio = fx31_ms > 0 ? ms / fx31_ms : 0;
   return row;
 }
