@@ -4,7 +4,7 @@
 #include "shading/vm/kernels.hpp"
 
 // SSE without fused multiply-add gains nothing over the portable target: three targets are enough on x86.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "shading/vm/kernels_simd.cpp"
 #include <hwy/foreach_target.h>

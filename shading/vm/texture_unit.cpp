@@ -2,7 +2,7 @@
 // Volumes, which no shipped shader samples, go to the reference.
 #include "shading/vm/texture_unit.hpp"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "shading/vm/texture_unit.cpp"
 #include <hwy/foreach_target.h>
