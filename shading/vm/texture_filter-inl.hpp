@@ -143,15 +143,15 @@ template <std::size_t kTexelBytes, std::size_t kCount>
 HWY_INLINE hn::Vec<Q16> channels_at(const std::uint8_t* const* of) {
   constexpr std::size_t kBytes = kTexelBytes * kCount;
   const hn::FixedTag<std::uint8_t, kBytes> d;
+  const hn::FixedTag<std::uint8_t, 2 * kTexelBytes> block;  // room for two texels
+  const auto widened = [&](const std::uint8_t* from) HWY_ATTR {
+    if constexpr (kCount == 2) {
+      return hn::LoadU(d, from);
+    } else {
+      return hn::ZeroExtendVector(block, hn::LoadU(d, from));
+    }
+  };
   if constexpr (kTexelBytes == 8) {
-    const hn::FixedTag<std::uint8_t, 16> block;
-    const auto widened = [&](const std::uint8_t* from) HWY_ATTR {
-      if constexpr (kCount == 2) {
-        return hn::LoadU(d, from);
-      } else {
-        return hn::ZeroExtendVector(block, hn::LoadU(d, from));
-      }
-    };
     if constexpr (kQuadStep == 2) {
       return hn::BitCast(Q16(), widened(of[0]));
     } else {
@@ -160,14 +160,6 @@ HWY_INLINE hn::Vec<Q16> channels_at(const std::uint8_t* const* of) {
     }
   } else {  // codes, no sign
     using Codes = hn::Rebind<std::uint8_t, Q16>;
-    const hn::FixedTag<std::uint8_t, 8> block;
-    const auto widened = [&](const std::uint8_t* from) HWY_ATTR {
-      if constexpr (kCount == 2) {
-        return hn::LoadU(d, from);
-      } else {
-        return hn::ZeroExtendVector(block, hn::LoadU(d, from));
-      }
-    };
     if constexpr (kQuadStep == 2) {
       return hn::PromoteTo(Q16(), widened(of[0]));
     } else {

@@ -1,8 +1,8 @@
 #include "shading/vm/value_webs.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
-#include <unordered_map>
 
 namespace aluminate::vm {
 namespace {
@@ -34,7 +34,7 @@ class Finder {
   struct Region {
     bool loop = false;
     std::vector<std::pair<std::size_t, Web>> hidden;   // component and its web before each write of this branch
-    std::unordered_map<std::size_t, Web> first_branch; // components the branch before Else wrote, as it left them
+    std::map<std::size_t, Web> first_branch;           // components the branch before Else wrote, as it left them
     std::vector<std::pair<std::size_t, Web>> carried;  // loop: components its body writes, with the web they enter by
   };
 
@@ -100,7 +100,7 @@ class Finder {
     Region region = std::move(open_.back());
     open_.pop_back();
     auto& other = region.first_branch;
-    std::unordered_map<std::size_t, Web> merged;
+    std::map<std::size_t, Web> merged;
     for (const auto& [component, before] : region.hidden) merged.emplace(component, now_[component]);
     restore(region);
     // now_ holds the values before the If again: what a branch that did not write leaves.
