@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <concepts>
 #include <stdexcept>
 #include <string>
 
@@ -31,7 +32,10 @@ class UserError : public std::runtime_error {
       : std::runtime_error(place.text().empty() ? what : place.text() + ": " + what),
         place_(std::move(place)),
         hint_(std::move(hint)) {}
-  explicit UserError(const std::string& what, std::string hint = {}) : UserError(SourcePlace{}, what, std::move(hint)) {}
+  // A template, because {file} in braces, meant as a place, would rather be a string.
+  template <class Text>
+    requires std::convertible_to<const Text&, std::string>
+  explicit UserError(const Text& what, std::string hint = {}) : UserError(SourcePlace{}, what, std::move(hint)) {}
 
   const SourcePlace& place() const { return place_; }
   const std::string& hint() const { return hint_; }
