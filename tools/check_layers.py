@@ -47,6 +47,9 @@ THIRD_PARTY = {
     "sanitizer/": ["platform/host/parallel.cpp"],
     "spdlog/": ["platform/host/log.cpp"],
     "zlib.h": ["platform/host/png_writer.cpp"],
+    "isa-l/": ["platform/host/png_writer.cpp"],
+    "png.h": ["platform/host/png_reader.cpp"],
+    "jpeglib.h": ["platform/host/jpeg_reader.cpp"],
     "xxhash.h": ["platform/host/hash.cpp"],
     "fmt/": ["*.cpp", "platform/host/error.hpp"],
     "tiny_gltf.h": ["scenes/gltf/tinygltf.*"],
@@ -56,7 +59,7 @@ THIRD_PARTY = {
     "CLI/": ["apps/*", "bench/*", "tests/*"],
     "glm/": ["scenes/*", "shading/brdf/*", "shading/sky/*", "shading/filter/*", "shading/passes/*", "shading/report/*",
              "calibration/*", *OUTSIDE],
-    "hwy/": ["rasterizer/*.cpp", "shading/vm/*.cpp", "rasterizer/*-inl.hpp", "shading/vm/*-inl.hpp"],
+    "hwy/": ["rasterizer/*.cpp", "shading/vm/*.cpp", "calibration/power.cpp", "rasterizer/*-inl.hpp", "shading/vm/*-inl.hpp"],
     # The compiler module: everything else must start without LLVM.
     "llvm/": ["shading/vm/jit/definitions.*", "shading/vm/jit/flat_code.*", "shading/vm/jit/generator.*", "shading/vm/jit/module.cpp"],
     "glslang/": ["shading/compiler/*.cpp"],

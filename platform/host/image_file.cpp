@@ -5,13 +5,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string_view>
 
 #include "platform/host/error.hpp"
 #include "platform/host/image_module.hpp"
+#include "platform/host/image_readers.hpp"
 #include "platform/host/image_signature.hpp"
 #include "platform/host/input_file.hpp"
 #include "platform/host/output_file.hpp"
@@ -80,38 +83,89 @@ struct OpenImage {
   throw UserError({name}, what, std::move(hint));
 }
 
-void check_size(const std::string& name, const image_module::Facts& facts) {
-  const std::int64_t texels = std::int64_t{facts.width} * facts.height;  // both are int32: the product fits
-  if (facts.width < 1 || facts.height < 1 || facts.channels < 1 || facts.depth != 1) {
-    refuse(name, fmt::format("expected a flat image, found {} x {} x {} texels of {} channels", facts.width,
-                             facts.height, facts.depth, facts.channels));
-  }
-  if (facts.width > kMaxImageSidePx || facts.height > kMaxImageSidePx || texels > kMaxImageTexels) {
-    refuse(name, fmt::format("the image has {} x {} texels, the limit is {} a side and {} in all", facts.width,
-                             facts.height, kMaxImageSidePx, kMaxImageTexels));
-  }
-  if (facts.channels > kMaxImageChannels || texels * facts.channels > kMaxImageSamples) {
-    refuse(name, fmt::format("the image has {} channels of {} x {} texels, the limit is {} channels and {} values",
-                             facts.channels, facts.width, facts.height, kMaxImageChannels, kMaxImageSamples));
-  }
-}
-
-OpenImage open_image(std::span<const std::uint8_t> encoded, const std::string& name) {
+const char* format_of(std::span<const std::uint8_t> encoded, const std::string& name) {
   const char* format = image_format(encoded, name);
   if (format == nullptr) {
     refuse(name, "expected a PNG, JPEG, TIFF, OpenEXR, Radiance HDR, BMP or TGA image, found other data",
            "convert the image to PNG or OpenEXR");
   }
   if (is_cut_off(encoded, format)) refuse(name, fmt::format("the {} image is truncated", format));
+  return format;
+}
+
+// Nothing for a format, or a flavour of one, that is OpenImageIO's.
+std::optional<ImageCodes> decode_without_module(std::span<const std::uint8_t> encoded, const char* format,
+                                                const std::string& name) {
+  if (std::string_view(format) == "png") return decode_png(encoded, name);
+  if (std::string_view(format) == "jpeg") return decode_jpeg(encoded, name);
+  return std::nullopt;
+}
+
+OpenImage open_image(std::span<const std::uint8_t> encoded, const char* format, const std::string& name) {
   OpenImage image;
   Failure failure{};
   image.reader.reset(module().open(format, encoded.data(), encoded.size(), &image.facts, &failure));
   if (!image.reader) refuse(name, fmt::format("cannot read the {} image: {}", format, failure.text));
-  check_size(name, image.facts);
+  const image_module::Facts& facts = image.facts;
+  check_image_size(name, facts.width, facts.height, facts.depth, facts.channels);
   if (image.facts.sample == image_module::Sample::Other) {
     refuse(name, "expected 8 or 16 bit unsigned or floating point channels, found another type");
   }
   return image;
+}
+
+// Calls to(index of a value, its code) for every value.
+template <class To>
+void for_codes(const ImageCodes& image, const To& to) {
+  const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+                            static_cast<std::size_t>(image.channels);
+  if (image.stored == StoredAs::Unorm8) {
+    for (std::size_t i = 0; i < count; ++i) to(i, image.bytes[i]);
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint16_t code;
+    std::memcpy(&code, image.bytes.data() + 2 * i, sizeof code);
+    to(i, code);
+  }
+}
+
+Image8 rgba8_of(const ImageCodes& image) {
+  const std::size_t texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height),
+                    channels = static_cast<std::size_t>(image.channels);
+  Image8 out{image.width, image.height, 4, std::vector<std::uint8_t>(texels * 4, 255)};
+  const bool is_short = image.stored == StoredAs::Unorm16, is_grey = channels < 3;
+  std::uint8_t* to = out.texels.data();
+  std::size_t channel = 0;
+  for_codes(image, [&](std::size_t, std::uint32_t code) {
+    const auto code8 = static_cast<std::uint8_t>(is_short ? (code * 255u + 32767u) / 65535u : code);
+    if (is_grey && channel == 0)
+      to[0] = to[1] = to[2] = code8;
+    else
+      to[is_grey ? 3 : channel] = code8;
+    if (++channel == channels) {
+      channel = 0;
+      to += 4;
+    }
+  });
+  return out;
+}
+
+ImageFloat float_of(const ImageCodes& image) {
+  ImageFloat out;
+  out.width = image.width;
+  out.height = image.height;
+  out.orientation = image.orientation;
+  out.stored = image.stored;
+  if (image.channels < 3)
+    out.channels = {"Y", "A"};
+  else
+    out.channels = {"R", "G", "B", "A"};
+  out.channels.resize(static_cast<std::size_t>(image.channels));
+  out.texels.resize(image.bytes.size() / (image.stored == StoredAs::Unorm8 ? 1 : 2));
+  const float full = image.stored == StoredAs::Unorm8 ? 255.0f : 65535.0f;
+  for_codes(image, [&](std::size_t i, std::uint32_t code) { out.texels[i] = static_cast<float>(code) / full; });
+  return out;
 }
 
 void check_texels(const Image8& image) {
@@ -166,13 +220,31 @@ void append_bytes(void* context, const std::uint8_t* bytes, std::size_t count) {
 
 }  // namespace
 
+void check_image_size(const std::string& name, std::int64_t width, std::int64_t height, std::int64_t depth,
+                      std::int64_t channels) {
+  if (width < 1 || height < 1 || channels < 1 || depth != 1) {
+    refuse(name, fmt::format("expected a flat image, found {} x {} x {} texels of {} channels", width, height, depth, channels));
+  }
+  // Sides first: the products below then fit.
+  if (width > kMaxImageSidePx || height > kMaxImageSidePx || width * height > kMaxImageTexels) {
+    refuse(name, fmt::format("the image has {} x {} texels, the limit is {} a side and {} in all", width, height,
+                             kMaxImageSidePx, kMaxImageTexels));
+  }
+  if (channels > kMaxImageChannels || width * height * channels > kMaxImageSamples) {
+    refuse(name, fmt::format("the image has {} channels of {} x {} texels, the limit is {} channels and {} values", channels,
+                             width, height, kMaxImageChannels, kMaxImageSamples));
+  }
+}
+
 int ImageFloat::channel(std::string_view name) const {
   const auto found = std::find(channels.begin(), channels.end(), name);
   return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
 }
 
 Image8 decode_rgba8(std::span<const std::uint8_t> encoded, const std::string& name) {
-  const OpenImage open = open_image(encoded, name);
+  const char* const format = format_of(encoded, name);
+  if (const auto codes = decode_without_module(encoded, format, name)) return rgba8_of(*codes);
+  const OpenImage open = open_image(encoded, format, name);
   if (open.facts.sample == image_module::Sample::Float) {
     refuse(name, "expected an image of 8 or 16 bit codes, found floating point values", "convert it to PNG");
   }
@@ -212,11 +284,15 @@ ImageFloat read_floats(const OpenImage& open, const std::string& name) {
 }  // namespace
 
 ImageFloat decode_float(std::span<const std::uint8_t> encoded, const std::string& name) {
-  return read_floats(open_image(encoded, name), name);
+  const char* const format = format_of(encoded, name);
+  if (const auto codes = decode_without_module(encoded, format, name)) return float_of(*codes);
+  return read_floats(open_image(encoded, format, name), name);
 }
 
 std::variant<ImageCodes, ImageFloat> decode_stored(std::span<const std::uint8_t> encoded, const std::string& name) {
-  const OpenImage open = open_image(encoded, name);
+  const char* const format = format_of(encoded, name);
+  if (auto codes = decode_without_module(encoded, format, name)) return std::move(*codes);
+  const OpenImage open = open_image(encoded, format, name);
   const StoredAs stored = stored_as(open.facts);
   if (stored == StoredAs::Float) return read_floats(open, name);
   ImageCodes image{open.facts.width, open.facts.height, open.facts.channels, stored,
@@ -231,17 +307,6 @@ std::variant<ImageCodes, ImageFloat> decode_stored(std::span<const std::uint8_t>
 
 ImageFloat read_image(const std::string& path) { return decode_float(read_bytes(path), path); }
 Image8 read_image_rgba8(const std::string& path) { return decode_rgba8(read_bytes(path), path); }
-
-std::vector<std::uint8_t> encode_png(const Image8& image, const ImageMetadata& metadata) {
-  check_texels(image);
-  const std::vector<image_module::Pair> pairs = pairs_of(metadata);
-  std::vector<std::uint8_t> bytes;
-  Failure failure{};
-  const bool good = module().encode_png(image.width, image.height, image.channels, image.texels.data(), pairs.data(),
-                                        pairs.size(), append_bytes, &bytes, &failure);
-  ALU_CHECK(good, "PNG encoder: {}", failure.text);
-  return bytes;
-}
 
 std::vector<std::uint8_t> encode_exr(int width, int height, std::span<const ExrLayer> layers,
                                      const ImageMetadata& metadata) {

@@ -1,6 +1,6 @@
 // Image files in and out. In: encoded bytes or a path. Out: texels, or encoded bytes ready for an OutputFile.
-// OpenImageIO takes ~0.2 s to load, so it lives in a module that is opened on the first call; a program that never
-// touches an image never pays. Never: converts colour, premultiplies alpha, applies a rotation, or prints.
+// PNG and JPEG are libpng's and libjpeg's; everything else is OpenImageIO's. That takes 0.2 s and more to load, so it lives
+// in a module that is opened on the first call; a program that needs no other format (and draws no text) never pays. Never: converts colour, premultiplies alpha, applies a rotation, or prints.
 // All functions may be called from several threads at once. Errors are UserError and name the image.
 #pragma once
 

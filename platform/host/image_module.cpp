@@ -203,17 +203,6 @@ bool encode(const char* format, const OIIO::ImageSpec& spec, Sink sink, void* co
   });
 }
 
-bool encode_png(int width, int height, int channels, const std::uint8_t* texels, const Pair* metadata,
-                std::size_t metadata_count, Sink sink, void* context, Failure* failure) {
-  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeUInt8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-  add_metadata(spec, metadata, metadata_count);
-  return encode("png", spec, sink, context, failure, [&](OIIO::ImageOutput& output) {
-    return output.write_image(OIIO::TypeUInt8, texels);
-  });
-}
-
 void store_sample(std::uint8_t* to, const Layer& layer, std::size_t texel) {
   if (layer.uints != nullptr) {
     std::memcpy(to, layer.uints + texel, sizeof *layer.uints);
@@ -292,7 +281,7 @@ aluminate_image_module() {
   OIIO::attribute("exr_threads", 1);
   static const module::Interface interface {
     module::kInterfaceVersion, module::open, module::channel_name, module::read_rgba8, module::read_float,
-        module::read_codes, module::close, module::encode_png, module::encode_exr, module::text_box, module::draw_text
+        module::read_codes, module::close, module::encode_exr, module::text_box, module::draw_text
   };
   return &interface;
 }

@@ -8,7 +8,7 @@
 
 namespace aluminate::host::image_module {
 
-inline constexpr int kInterfaceVersion = 5;  // both sides are built together; a stale module must not be used
+inline constexpr int kInterfaceVersion = 6;  // both sides are built together; a stale module must not be used
 
 struct Failure {
   char text[400];
@@ -46,7 +46,7 @@ using Sink = void (*)(void* context, const std::uint8_t* bytes, std::size_t coun
 struct Interface {
   std::int32_t version;
 
-  /// Reads the header only. format: OpenImageIO's name ("png"). The bytes must outlive the reader.
+  /// Reads the header only. format: OpenImageIO's name ("tiff"). The bytes must outlive the reader.
   Reader* (*open)(const char* format, const std::uint8_t* bytes, std::size_t count, Facts* facts, Failure* failure);
   const char* (*channel_name)(const Reader* reader, int channel);
   /// rgba: width*height*4. Unorm8 and Unorm16 images only.
@@ -57,8 +57,6 @@ struct Interface {
   bool (*read_codes)(Reader* reader, std::uint8_t* codes, Failure* failure);
   void (*close)(Reader* reader);
 
-  bool (*encode_png)(int width, int height, int channels, const std::uint8_t* texels, const Pair* metadata,
-                     std::size_t metadata_count, Sink sink, void* context, Failure* failure);
   bool (*encode_exr)(int width, int height, const Layer* layers, std::size_t layer_count, const Pair* metadata,
                      std::size_t metadata_count, Sink sink, void* context, Failure* failure);
 

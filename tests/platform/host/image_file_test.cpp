@@ -69,6 +69,60 @@ void expect_timeless(const std::vector<std::uint8_t>& bytes) {
 
 TEST(Png, CarriesNoDateAndNoSoftware) { expect_timeless(encode_png(test_image(4, 4, 3))); }
 
+TEST(Png, NoiseThatDoesNotShrinkComesBack) {
+  constexpr int kWidth = 701, kHeight = 131;  // two bands and a piece
+  std::vector<std::uint16_t> codes(3 * kWidth * kHeight);
+  std::uint32_t state = 7;
+  for (std::uint16_t& code : codes) {
+    state = state * 1664525u + 1013904223u;
+    code = static_cast<std::uint16_t>(state >> 16);
+  }
+  const auto back = std::get<ImageCodes>(decode_stored(encode_png16(kWidth, kHeight, codes, true), "noise.png"));
+  ASSERT_EQ(back.bytes.size(), 2 * codes.size());
+  EXPECT_EQ(std::memcmp(back.bytes.data(), codes.data(), back.bytes.size()), 0);
+  const Image8 picture = test_image(300, 200, 4);
+  EXPECT_EQ(decode_rgba8(encode_png(picture), "picture.png").texels, picture.texels);
+}
+
+TEST(Png, MetadataIsThereAsText) {
+  const auto bytes = encode_png(test_image(4, 4, 3), {{"aluminate:command", "render \xC3\xA4.glb"}});
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_NE(text.find("iTXt" + std::string("aluminate:command\0\0\0\0\0", 22) + "render \xC3\xA4.glb"), std::string::npos);
+}
+
+TEST(Png, PalettesTransparencyAndFewBitsBecomeCodes) {
+  const auto sample = [](const char* name) {
+    return decode_float(read_bytes(std::string(ALUMINATE_SOURCE_DIR "/tests/platform/host/samples/") + name), name);
+  };
+  EXPECT_EQ(sample("grey.png").channels, (std::vector<std::string>{"Y"}));
+  EXPECT_EQ(sample("grey_alpha.png").channels, (std::vector<std::string>{"Y", "A"}));
+  // Two pixels of a palette of two colours, one bit each, the second half transparent.
+  const Image8 colours = decode_rgba8(read_bytes(ALUMINATE_SOURCE_DIR "/tests/platform/host/samples/palette.png"), "palette.png");
+  EXPECT_EQ(colours.texels, (std::vector<std::uint8_t>{10, 20, 30, 255, 40, 50, 60, 128}));
+}
+
+std::vector<std::uint8_t> with_exif(const std::vector<std::uint8_t>& jpeg, const std::vector<std::uint8_t>& tiff) {
+  std::vector<std::uint8_t> block{0xff, 0xe1, 0, static_cast<std::uint8_t>(2 + 6 + tiff.size()), 'E', 'x', 'i', 'f', 0, 0};
+  block.insert(block.end(), tiff.begin(), tiff.end());
+  std::vector<std::uint8_t> out = jpeg;
+  out.insert(out.begin() + 2, block.begin(), block.end());
+  return out;
+}
+
+TEST(Jpeg, OrientationIsReadFromExifOfEitherByteOrder) {
+  const auto jpeg = read_bytes(ALUMINATE_SOURCE_DIR "/tests/platform/host/samples/sample.jpg");
+  const std::vector<std::uint8_t> big{'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0};
+  const std::vector<std::uint8_t> little{'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0x12, 0x01, 3, 0, 1, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0};
+  EXPECT_EQ(decode_float(jpeg, "a.jpg").orientation, 1);
+  EXPECT_EQ(decode_float(with_exif(jpeg, big), "a.jpg").orientation, 6);
+  EXPECT_EQ(decode_float(with_exif(jpeg, little), "a.jpg").orientation, 3);
+  for (std::size_t length = 0; length < 18; ++length)  // damaged: upright, and the picture as it was
+    EXPECT_EQ(decode_float(with_exif(jpeg, {big.begin(), big.begin() + static_cast<std::ptrdiff_t>(length)}), "a.jpg").orientation, 1);
+  std::vector<std::uint8_t> far = big;
+  far[4] = far[5] = far[6] = far[7] = 0xff;
+  EXPECT_EQ(decode_float(with_exif(jpeg, far), "a.jpg").orientation, 1);
+}
+
 struct Layers {
   std::vector<float> red{0.0f, -1.5f, 1e30f, std::numeric_limits<float>::denorm_min(), 0.1f, 65504.0f};
   std::vector<float> depth{1.0f, 0.999999f, 1e-20f, std::numeric_limits<float>::infinity(), 0.3f, 2.0f};
