@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calibration/linear_solve.hpp"
+#include "calibration/power.hpp"
 #include "platform/host/error.hpp"
 #include "platform/host/parallel.hpp"
 #include "platform/host/suggest.hpp"
@@ -184,7 +185,7 @@ ToneLinear fit_tone(const PatchColours& samples, const ChartReference& reference
     fit.exponent = std::exp(log_exponent);
     PatchColours bent = samples;
     for (Colour& colour : bent.rgb_lin)
-      for (double& value : colour) value = std::copysign(std::pow(std::fabs(value), fit.exponent), value);
+      raise_to(fit.exponent, colour.data(), colour.size());
     fit.matrix = fit_linear(bent, reference).matrix;
     return fit;
   };

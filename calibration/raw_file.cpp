@@ -27,12 +27,19 @@ bool is_bayer(const std::array<char, 4>& pattern) {
   return std::find(kKnown.begin(), kKnown.end(), std::string_view(pattern.data(), 4)) != kKnown.end();
 }
 
-void receive(void* context, const raw_module::Facts* facts, const std::uint16_t* samples) {
+void receive(void* context, const raw_module::Facts* facts, const std::uint16_t* samples, std::size_t pitch) {
   Mosaic& mosaic = *static_cast<Mosaic*>(context);
   mosaic.width = facts->width;
   mosaic.height = facts->height;
-  mosaic.samples.assign(
-      samples, samples + static_cast<std::size_t>(facts->width) * static_cast<std::size_t>(facts->height));
+  const std::size_t width = static_cast<std::size_t>(facts->width);
+  mosaic.samples.resize(width * static_cast<std::size_t>(facts->height));
+  host::parallel_for(
+      facts->height,
+      [&](std::int64_t y) {
+        const std::size_t row = static_cast<std::size_t>(y);
+        std::copy_n(samples + row * pitch, width, mosaic.samples.data() + row * width);
+      },
+      64);
   std::copy_n(facts->pattern, 4, mosaic.pattern.begin());
   for (std::size_t c = 0; c < 3; ++c) mosaic.black[c] = facts->black[c];
   mosaic.white = facts->white;
@@ -116,9 +123,50 @@ Mosaic mosaic_of_grey(const host::ImageFloat& image, const std::string& pattern,
   return mosaic;
 }
 
-// Malvar, He and Cutler's linear 5 x 5 interpolation: bilinear plus a share of the Laplacian of the colour
-// that was measured at the pixel [Malvar04]. Exact on areas of one colour, which is all a chart needs, and
-// sharp on edges.
+namespace {
+
+// Linear light of every code of each colour: black 0, white 1, times the multiplier.
+std::array<std::vector<float>, 3> levels_by_code(const Mosaic& mosaic) {
+  const int greatest = mosaic.samples.empty() ? 0 : *std::max_element(mosaic.samples.begin(), mosaic.samples.end());
+  std::array<std::vector<float>, 3> levels;
+  for (std::size_t c = 0; c < 3; ++c) {
+    levels[c].resize(static_cast<std::size_t>(greatest) + 1);
+    for (int code = 0; code <= greatest; ++code)
+      levels[c][static_cast<std::size_t>(code)] = static_cast<float>(
+          (code - mosaic.black[c]) / (mosaic.white - mosaic.black[c]) * mosaic.multipliers[c]);
+  }
+  return levels;
+}
+
+// One row of Malvar, He and Cutler's linear 5 x 5 interpolation: bilinear plus a share of the Laplacian of the
+// colour that was measured at the pixel [Malvar04]. Exact on areas of one colour, which is all a chart needs, and
+// sharp on edges. line: with two pixels around it on every side, rows `stride` apart; green_x: 0 or 1, where the
+// row's first green is; colour: 0 or 2, the row's other one. to: 3*width.
+void interpolate_row(const float* line, std::ptrdiff_t stride, int width, int green_x, std::size_t colour,
+                     float* to) noexcept {
+  const auto at = [&](int x, int dx, int dy) { return static_cast<double>(line[dy * stride + x + dx]); };
+  for (int x = green_x; x < width; x += 2) {
+    const double here = at(x, 0, 0), beside = at(x, -1, 0) + at(x, 1, 0), above = at(x, 0, -1) + at(x, 0, 1),
+                 diagonal = at(x, -1, -1) + at(x, 1, -1) + at(x, -1, 1) + at(x, 1, 1),
+                 far_beside = at(x, -2, 0) + at(x, 2, 0), far_above = at(x, 0, -2) + at(x, 0, 2);
+    float* rgb = to + 3 * x;
+    rgb[colour] = static_cast<float>((5 * here + 4 * beside - diagonal - far_beside + 0.5 * far_above) / 8);
+    rgb[1] = line[x];
+    rgb[2 - colour] = static_cast<float>((5 * here + 4 * above - diagonal - far_above + 0.5 * far_beside) / 8);
+  }
+  for (int x = 1 - green_x; x < width; x += 2) {
+    const double here = at(x, 0, 0), near = at(x, -1, 0) + at(x, 1, 0) + (at(x, 0, -1) + at(x, 0, 1)),
+                 diagonal = at(x, -1, -1) + at(x, 1, -1) + at(x, -1, 1) + at(x, 1, 1),
+                 far_beside = at(x, -2, 0) + at(x, 2, 0), far_above = at(x, 0, -2) + at(x, 0, 2);
+    float* rgb = to + 3 * x;
+    rgb[colour] = line[x];
+    rgb[1] = static_cast<float>((4 * here + 2 * near - far_beside - far_above) / 8);
+    rgb[2 - colour] = static_cast<float>((6 * here + 2 * diagonal - 1.5 * (far_beside + far_above)) / 8);
+  }
+}
+
+}  // namespace
+
 Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   if (mosaic.width < 2 || mosaic.height < 2) throw UserError("a mosaic needs at least 2 x 2 pixels");
   const int w = mosaic.width, h = mosaic.height;
@@ -128,8 +176,7 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
     return colours[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
   };
 
-  // Black 0, white 1, times the multiplier; with a border of two pixels, so that the filter below needs no
-  // bounds.
+  // With a border of two pixels, so that the filter needs no bounds.
   constexpr int kBorder = 2;
   const auto mirrored = [](int at, int size) {  // keeps the parity, and with it the colour
     if (at < 0) at = -at;
@@ -139,6 +186,7 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   const std::ptrdiff_t stride = w + 2 * kBorder;
   host::UninitializedVector<float> level(static_cast<std::size_t>(stride) *
                                          static_cast<std::size_t>(h + 2 * kBorder));
+  const std::array<std::vector<float>, 3> levels = levels_by_code(mosaic);
   host::parallel_for(
       h + 2 * kBorder,
       [&](std::int64_t row) {
@@ -146,13 +194,12 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
         const std::uint16_t* from =
             mosaic.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
         float* to = level.data() + row * stride;
-        const auto put = [&](int column, int x) {
-          const std::size_t c = colour_at(x, y);
-          to[column] = static_cast<float>((from[x] - mosaic.black[c]) / (mosaic.white - mosaic.black[c]) *
-                                          mosaic.multipliers[c]);
-        };
-        for (int x = 0; x < w; ++x) put(x + kBorder, x);
-        for (const int column : {0, 1, w + 2, w + 3}) put(column, mirrored(column - kBorder, w));
+        const float* const of_column[2] = {levels[colour_at(0, y)].data(), levels[colour_at(1, y)].data()};
+        for (int x = 0; x < w; ++x) to[x + kBorder] = of_column[x & 1][from[x]];
+        for (const int column : {0, 1, w + 2, w + 3}) {
+          const int x = mirrored(column - kBorder, w);
+          to[column] = of_column[x & 1][from[x]];
+        }
       },
       16);
 
@@ -166,29 +213,10 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   host::parallel_for(
       h,
       [&](std::int64_t row) {
-        const int y = static_cast<int>(row);
-        const float* const line = level.data() + (row + kBorder) * stride + kBorder;
-        for (int x = 0; x < w; ++x) {
-          const auto at = [&](int dx, int dy) { return static_cast<double>(line[dy * stride + x + dx]); };
-          const double here = at(0, 0);
-          const double beside = at(-1, 0) + at(1, 0), above = at(0, -1) + at(0, 1),
-                       diagonal = at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1);
-          const double far_beside = at(-2, 0) + at(2, 0), far_above = at(0, -2) + at(0, 2);
-          Colour rgb{};
-          const std::size_t mine = colour_at(x, y);
-          rgb[mine] = here;
-          if (mine == 1) {
-            const std::size_t row_colour = colour_at(x + 1, y), column_colour = 2 - row_colour;
-            rgb[row_colour] = (5 * here + 4 * beside - diagonal - far_beside + 0.5 * far_above) / 8;
-            rgb[column_colour] = (5 * here + 4 * above - diagonal - far_above + 0.5 * far_beside) / 8;
-          } else {
-            rgb[1] = (4 * here + 2 * (beside + above) - far_beside - far_above) / 8;
-            rgb[2 - mine] = (6 * here + 2 * diagonal - 1.5 * (far_beside + far_above)) / 8;
-          }
-          float* to = photo.rgb_lin.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                                                  static_cast<std::size_t>(x));
-          for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(rgb[c]);
-        }
+        const int y = static_cast<int>(row), green_x = colour_at(0, y) == 1 ? 0 : 1;
+        interpolate_row(level.data() + (row + kBorder) * stride + kBorder, stride, w, green_x,
+                        colour_at(1 - green_x, y),
+                        photo.rgb_lin.data() + 3 * static_cast<std::size_t>(row) * static_cast<std::size_t>(w));
       },
       8);
   apply_orientation(photo, mosaic.orientation);

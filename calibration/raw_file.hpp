@@ -8,15 +8,15 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "calibration/photo.hpp"
+#include "platform/host/uninitialized.hpp"
 
 namespace aluminate::calibration {
 
 struct Mosaic {
   int width = 0, height = 0;
-  std::vector<std::uint16_t> samples;               // as stored
+  host::UninitializedVector<std::uint16_t> samples;  // as stored
   std::array<char, 4> pattern{'R', 'G', 'G', 'B'};  // colours of pixels (0,0) (1,0) (0,1) (1,1)
   std::array<double, 3> black{0, 0, 0};             // codes of R, G, B
   double white = 65535;

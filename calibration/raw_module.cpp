@@ -3,12 +3,10 @@
 
 #include <libraw/libraw.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
-#include <vector>
 
 namespace {
 
@@ -69,18 +67,14 @@ bool decode_mosaic(const std::uint8_t* bytes, std::size_t count, Sink sink, void
   facts.focal_mm = data.other.focal_len;
   facts.aperture = data.other.aperture;
 
-  std::vector<std::uint16_t> samples(static_cast<std::size_t>(size.width) * size.height);
   const std::size_t pitch = size.raw_pitch / sizeof(std::uint16_t);
-  for (std::size_t y = 0; y < size.height; ++y)
-    std::copy_n(data.rawdata.raw_image + (y + size.top_margin) * pitch + size.left_margin, size.width,
-                samples.data() + y * size.width);
-  sink(context, &facts, samples.data());
+  sink(context, &facts, data.rawdata.raw_image + size.top_margin * pitch + size.left_margin, pitch);
   return true;
 }
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) bool aluminate_decode_raw_v1(const std::uint8_t* bytes,
+extern "C" __attribute__((visibility("default"))) bool aluminate_decode_raw_v2(const std::uint8_t* bytes,
                                                                                std::size_t count, Sink sink,
                                                                                void* context, char* text,
                                                                                std::size_t text_size) {

@@ -7,7 +7,7 @@
 namespace aluminate::calibration::raw_module {
 
 inline constexpr const char* kFile = "libaluminate_raw_module.so";
-inline constexpr const char* kSymbol = "aluminate_decode_raw_v1";
+inline constexpr const char* kSymbol = "aluminate_decode_raw_v2";
 
 struct Facts {
   std::int32_t width, height;  // of the visible sensor area
@@ -20,8 +20,9 @@ struct Facts {
   float focal_mm, aperture, distance_m;
 };
 
-/// Gives the whole mosaic once. samples: width*height codes as the sensor stored them.
-using Sink = void (*)(void* context, const Facts* facts, const std::uint16_t* samples);
+/// Gives the whole mosaic once: height rows of width codes as the sensor stored them, each row `pitch` codes after the one
+/// before. They are gone when it returns.
+using Sink = void (*)(void* context, const Facts* facts, const std::uint16_t* samples, std::size_t pitch);
 
 /// False: text says why.
 using DecodeRaw = bool (*)(const std::uint8_t* bytes, std::size_t count, Sink sink, void* context, char* text,

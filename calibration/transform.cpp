@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
+#include "calibration/power.hpp"
 #include "platform/host/error.hpp"
 
 namespace aluminate::calibration {
@@ -83,37 +83,8 @@ void correct_kind(const LinearFit& fit, double* r, double* g, double* b, std::si
   for (std::size_t i = 0; i < count; ++i) affine_columns(f, r[i], g[i], b[i]);
 }
 
-// x^exponent, remembered: a channel of an 8-bit photograph has 256 values and its millions of pixels repeat
-// them. The result is std::pow's either way.
-class Powers {
- public:
-  double operator()(double x, double exponent) noexcept {
-    if (exponent != exponent_) {
-      known_.fill(kNone);
-      exponent_ = exponent;
-    }
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const std::size_t place = static_cast<std::size_t>(bits * 0x9e3779b97f4a7c15u >> (64 - kBits));
-    if (known_[place] != bits) {
-      known_[place] = bits;
-      powers_[place] = std::pow(x, exponent);
-    }
-    return powers_[place];
-  }
-
- private:
-  static constexpr int kBits = 11;
-  static constexpr std::uint64_t kNone = ~std::uint64_t{0};     // a NaN that |x| never is
-  double exponent_ = std::numeric_limits<double>::quiet_NaN();  // equal to none
-  std::array<std::uint64_t, std::size_t{1} << kBits> known_{};
-  std::array<double, std::size_t{1} << kBits> powers_{};
-};
-
 void correct_kind(const ToneLinear& fit, double* r, double* g, double* b, std::size_t count) noexcept {
-  thread_local Powers powers;
-  for (double* channel : {r, g, b})
-    for (std::size_t i = 0; i < count; ++i)
-      channel[i] = std::copysign(powers(std::fabs(channel[i]), fit.exponent), channel[i]);
+  for (double* channel : {r, g, b}) raise_to(fit.exponent, channel, count);
   const Affine f = fit.matrix;
   for (std::size_t i = 0; i < count; ++i) affine_columns(f, r[i], g[i], b[i]);
 }

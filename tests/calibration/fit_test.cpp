@@ -1,5 +1,6 @@
 // Fits against independent QR solutions, exact recovery, refusals, and the choice by held-out patches.
 #include "calibration/fit.hpp"
+#include "calibration/power.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -239,6 +240,29 @@ TEST(Fit, ToneLinearUndoesAPowerCurveBehindCrossTalk) {
   const auto& tone = std::get<ToneLinear>(fit.transform);
   EXPECT_NEAR(tone.exponent, 1.1, 1e-6);  // the search ends within 1e-7 of the logarithm
   EXPECT_LT(fit.after.max_de2000, 1e-3);
+}
+
+TEST(Fit, PowersOfManyNumbersAreThoseOfOne) {
+  std::mt19937_64 random(17);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * 0x1p-64 * static_cast<double>(random()); };
+  double worst = 0.0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const double exponent = uniform(-3.0, 3.0);
+    std::vector<double> x(static_cast<std::size_t>(1 + trial % 37));
+    for (double& value : x) value = std::exp2(uniform(-30.0, 30.0)) * (random() % 2 == 0 ? 1.0 : -1.0);
+    std::vector<double> powers = x;
+    raise_to(exponent, powers.data(), powers.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double expected = std::copysign(std::pow(std::fabs(x[i]), exponent), x[i]);
+      worst = std::max(worst, std::fabs(powers[i] / expected - 1.0));
+    }
+  }
+  EXPECT_LT(worst, 1e-13);
+  double edges[] = {0.0, -0.0, 1.0, -1.0, 0.5, 4.0};
+  raise_to(0.5, edges, std::size(edges));
+  const double expected[] = {0.0, -0.0, 1.0, -1.0, std::sqrt(0.5), 2.0};
+  for (std::size_t i = 0; i < std::size(edges); ++i) EXPECT_NEAR(edges[i], expected[i], 2e-16);
+  EXPECT_TRUE(std::signbit(edges[1]));
 }
 
 TEST(Fit, TransformsThatMakeMoreLightDarkerAreObjectedTo) {
