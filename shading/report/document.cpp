@@ -56,10 +56,12 @@ ordered_json options_json(const passes::FrameOptions& o, const passes::Frame& fr
 }
 
 ordered_json header(const std::string& verb, const Origin& origin) {
+  ordered_json inputs = {{"scene", origin.scene_file}, {"scene_hash", origin.scene_hash}};
+  for (const auto& [file, hash] : origin.file_hashes) inputs["file_hashes"][file] = hash;
   return {{"schema", kSchema},
           {"tool", {{"name", "aluminate"}, {"version", ALUMINATE_VERSION}}},
           {"command", canonical_command(verb, origin)},
-          {"inputs", {{"scene", origin.scene_file}, {"scene_hash", origin.scene_hash}}}};
+          {"inputs", std::move(inputs)}};
 }
 
 ordered_json timing_json(const passes::Frame& frame) {

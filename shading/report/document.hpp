@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "platform/console/frame_budget.hpp"
@@ -19,6 +20,7 @@ namespace aluminate::report {
 /// What a document says about where it came from.
 struct Origin {
   std::string scene_file, scene_hash;
+  std::vector<std::pair<std::string, std::string>> file_hashes;  // every other file given: path, XXH3-128 in hex
   passes::FrameOptions options;  // as resolved
 };
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "platform/console/platform_file.hpp"
 #include "platform/host/error.hpp"
+#include "platform/host/hash.hpp"
 #include "platform/host/image_file.hpp"
+#include "platform/host/input_file.hpp"
 #include "scenes/scene.hpp"
 #include "shading/brdf/visibility.hpp"
 #include "shading/passes/renderer.hpp"
@@ -24,6 +27,16 @@ host::ImageMetadata metadata(const Billed& billed) {
 
 host::Image8 picture(const passes::Frame& frame) { return {frame.width, frame.height, 4, frame.rgba8}; }
 
+// Files beside the scene that can change the picture or the bill. A built-in console is known by its name.
+std::vector<std::pair<std::string, std::string>> hashes_of_files(const passes::FrameOptions& options,
+                                                                 const console::GpuModel& gpu) {
+  std::vector<std::pair<std::string, std::string>> hashes;
+  for (const std::string& file : {options.shader, options.reflections, gpu.path})
+    if (!file.empty() && std::filesystem::is_regular_file(file))
+      hashes.emplace_back(file, host::hash_bytes(host::read_bytes(file)).hex());
+  return hashes;
+}
+
 std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
 
 }  // namespace
@@ -32,8 +45,8 @@ Billed bill(const scenes::Scene& scene, const passes::FrameOptions& options, pas
             double budget_ms) {
   Billed billed;
   billed.name = std::string(brdf::to_string(options.visibility));
-  billed.origin = {scene.file, scene.content_hash, options};
   billed.gpu = console::load_platform(options.platform);
+  billed.origin = {scene.file, scene.content_hash, hashes_of_files(options, billed.gpu), options};
   billed.frame = std::move(frame);
   // As an option again: the frame describes its lights as "scene (4 lights)".
   billed.origin.options.lights = billed.frame.lights.substr(0, billed.frame.lights.find(' '));

@@ -131,7 +131,7 @@ class Sweep {
     const passes::FrameOptions& o = request_.options;
     const std::string what =
         fmt::format("{} jobs {} {}\n", jobs_.size(),
-                    host::hash_text(text + canonical_command("sweep", {"", "", o})).hex(), ALUMINATE_VERSION);
+                    host::hash_text(text + canonical_command("sweep", {.scene_file = "", .scene_hash = "", .file_hashes = {}, .options = o})).hex(), ALUMINATE_VERSION);
     const std::string path = request_.folder + "/sweep.txt";
     if (!fs::exists(path)) host::write_file(path, what);
     if (host::read_text(path) != what)

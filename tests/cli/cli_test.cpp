@@ -80,7 +80,9 @@ TEST_F(Cli, ACapturedCubeMapIsReflected) {
     return all;
   };
   ASSERT_EQ(run_program(with({path("plain.png"), "--reflections", "off"})).code, 0);
-  ASSERT_EQ(run_program(with({path("with.png"), "--reflections", path("cube.exr")})).code, 0);
+  ASSERT_EQ(run_program(with({path("with.png"), "--reflections", path("cube.exr"), "--json", path("with.json")})).code, 0);
+  const auto inputs = nlohmann::json::parse(read(path("with.json")))["inputs"];
+  EXPECT_EQ(inputs["file_hashes"][path("cube.exr")].get<std::string>().size(), 32u);
   EXPECT_NE(read(path("plain.png")), read(path("with.png")));
   expect_user_error(with({path("a.png"), "--reflections", path("none.exr")}), "none.exr");
   expect_user_error(with({path("a.png"), "--reflections", path("plain.png")}), "no captured cube map");
