@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <fstream>
 #include <vector>
 
 #include "scenes/loader.hpp"
@@ -15,6 +13,7 @@
 #include "shading/brdf/srgb.hpp"
 #include "shading/passes/tile_worker.hpp"
 #include "shading/vm/srgb.hpp"
+#include "tests/passes/cube_map_file.hpp"
 #include "tests/passes/interval.hpp"
 #include "tests/passes/sample_scene.hpp"
 
@@ -271,6 +270,25 @@ TEST(Deferred, ForwardLiesInTheCellOfWhatWasStored) {
     }
 }
 
+TEST(Deferred, ForwardLiesInTheCellOnPublicModels) {
+  int seen = 0;
+  for (const char* file : {"atrium.glb", "carbon_sphere.glb", "exploding_barrel.glb", "flight_helmet.glb",
+                           "hotel_room.glb", "pbr_spheres.glb"}) {
+    const std::string path = test::public_model(file);
+    if (path.empty()) continue;
+    ++seen;
+    FrameOptions options;
+    options.width = 128;
+    options.height = 72;
+    set_options(options, "lights=rig:4");
+    const Tally tally = compare(scenes::load_scene(path), options);
+    EXPECT_GT(tally.pixels, 500u) << file;
+    EXPECT_EQ(tally.outside, 0u) << file << ", by " << tally.worst_outside;
+    EXPECT_EQ(tally.off_reference, 0u) << file << ", by " << tally.worst_reference;
+  }
+  if (seen == 0) GTEST_SKIP() << "no public models beside the project";
+}
+
 TEST(Deferred, ForwardLiesInTheCellWithReflectionsToo) {
   // Surroundings of one colour: what a lookup gives does not depend on the direction, only the reflectance does.
   CubeMap map;
@@ -279,17 +297,14 @@ TEST(Deferred, ForwardLiesInTheCellWithReflectionsToo) {
   FrameOptions options;
   options.width = 160;
   options.height = 90;
-  options.reflections = ::testing::TempDir() + "aluminate_deferred_test.exr";
-  const auto bytes = encode_cube_map(map, filter::prefilter(map.seen));
-  std::ofstream(options.reflections, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const test::CubeMapFile file(map);
+  options.reflections = file.path();
   for (const char* name : {"material_wall", "beach_hut"}) {
     const Tally tally = compare(test::sample_scene(name), options);
     EXPECT_GT(tally.pixels, 500u) << name;
     EXPECT_EQ(tally.outside, 0u) << name << ", by " << tally.worst_outside;
     EXPECT_EQ(tally.off_reference, 0u) << name << ", by " << tally.worst_reference;
   }
-  std::remove(options.reflections.c_str());
 }
 
 TEST(Deferred, WhatIsDrawnOnTopIsTheForwardDraw) {

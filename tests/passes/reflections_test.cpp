@@ -4,13 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <fstream>
-
 #include "platform/host/error.hpp"
 #include "scenes/scene.hpp"
 #include "shading/passes/frame.hpp"
 #include "shading/sky/sun.hpp"
+#include "tests/passes/cube_map_file.hpp"
 #include "tests/passes/sample_scene.hpp"
 
 namespace aluminate::passes {
@@ -28,20 +26,6 @@ CubeMap captured(const std::string& assignments) {
   return capture_cube_map(test::sample_scene("beach_hut"), options_for(assignments),
                           {.face_px = 16, .at_given = true, .at = {0, 1.5, 6}});
 }
-
-class MapFile {
- public:
-  explicit MapFile(const CubeMap& map) : path_(::testing::TempDir() + "aluminate_reflections_test.exr") {
-    const auto bytes = encode_cube_map(map, filter::prefilter(map.seen));
-    std::ofstream(path_, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
-  ~MapFile() { std::remove(path_.c_str()); }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 TEST(CubeMap, SkyTexelsAreTheSkyInTheirDirection) {
   const FrameOptions options = options_for("sky=fc3,time=16:00");
@@ -131,7 +115,7 @@ TEST(Reflections, SkyFollowsTheTimeOfDayAndSurfacesStay) {
 
 TEST(Reflections, AFileIsReadAsItWasWritten) {
   const CubeMap map = captured("sky=fc3,time=16:00");
-  const MapFile file(map);
+  const test::CubeMapFile file(map);
   const CubeMap read = read_cube_map(file.path());
   ASSERT_EQ(read.seen.size, map.seen.size);
   for (std::size_t i = 0; i < map.seen.texels.size(); ++i) {
@@ -143,7 +127,7 @@ TEST(Reflections, AFileIsReadAsItWasWritten) {
 }
 
 TEST(Reflections, AreLightOfTheSurfaceAndOneMoreFetch) {
-  const MapFile file(captured("sky=fc3,time=16:00"));
+  const test::CubeMapFile file(captured("sky=fc3,time=16:00"));
   for (const char* pipeline : {"pipeline=forward", "pipeline=deferred"}) {
     FrameOptions options = options_for("sky=fc3,time=16:00,ambient=sky," + std::string(pipeline));
     const Frame without = render_frame(test::sample_scene("material_wall"), options);

@@ -1,13 +1,15 @@
 // What shading must survive: gloss 0 and 1, grazing views, degenerate tangents, normals of no length, a light
-// on the surface, the sun on the horizon, black and over-bright albedo. Every pixel finite, not negative, in
-// range, in both pipelines and every kind of number format.
+// on the surface, the sun on the horizon, black and over-bright albedo, reflections of the darkest and the
+// brightest. Every pixel finite, not negative, in range, in both pipelines and every kind of number format.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "platform/host/image_file.hpp"
 #include "scenes/scene.hpp"
+#include "shading/passes/cube_map.hpp"
 #include "shading/passes/frame.hpp"
+#include "tests/passes/cube_map_file.hpp"
 
 namespace aluminate::passes {
 namespace {
@@ -72,8 +74,9 @@ scenes::Scene afflicted() {
   return scene;
 }
 
-void expect_sound(const scenes::Scene& scene, const std::string& assignments) {
+void expect_sound(const scenes::Scene& scene, const std::string& assignments, const std::string& reflections = "") {
   FrameOptions options;
+  options.reflections = reflections;
   options.width = 96;
   options.height = 48;
   set_options(options, "lights=scene," + assignments);
@@ -106,6 +109,23 @@ TEST(Stability, EveryPixelIsFiniteAndInRange) {
     for (const char* toksvig : {"texture", "dxt5", "material"})
       expect_sound(scene, above + pipeline + "shadows=on,toksvig=" + toksvig);
   }
+}
+
+TEST(Stability, ReflectionsOfTheDarkestAndTheBrightestSurroundings) {
+  // Black, the brightest light a capture keeps, and nothing but sky, in stripes: every level of the chain has steep edges.
+  CubeMap map;
+  map.seen = {16, std::vector<glm::dvec4>(6 * 16 * 16, glm::dvec4(0))};
+  map.surface.assign(6 * 16 * 16, glm::dvec3(0));
+  for (std::size_t i = 0; i < map.surface.size(); ++i) {
+    if (i % 3 == 1) map.surface[i] = glm::dvec3(kGreatestCaptured, 0, kGreatestCaptured);
+    map.seen.texels[i] = i % 3 == 2 ? glm::dvec4(kGreatestCaptured, 1, 0, 1) : glm::dvec4(map.surface[i], 0);
+  }
+  const test::CubeMapFile file(map);
+  const scenes::Scene scene = afflicted();
+  for (const char* camera : {"camera=-9,0.4,0:0,0,0:50,", "camera=0,7,7:0,0,0:50,"})
+    for (const char* pipeline : {"pipeline=forward,", "pipeline=deferred,"})
+      for (const char* number : {"number=fx31", "number=fx24", "number=q16.16", "number=q12.20", "number=q8.24", "number=ref64"})
+        expect_sound(scene, std::string(camera) + pipeline + number + ",sky=fc3,sun=0,0,ambient=sky,toksvig=texture", file.path());
 }
 
 }  // namespace
