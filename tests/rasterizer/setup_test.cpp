@@ -113,6 +113,31 @@ TEST(SetUp, VectorProjectionIsTheScalarOneBitForBit) {
   use_vector_target("");
 }
 
+// Written out, because the reference rasterizer, the vectors and the exact coverage test all start from snap_vertex's integers:
+// none of them would see another rule.
+TEST(SetUp, CornersSnapToTheNearestSubAndTiesToTheEvenOne) {
+  const ScreenMap map({512, 512});  // half of it is 2^16 sub: every tie below is exact in binary
+  const auto sub_x = [&](double sub, double w) { return project_vertex(map, (sub / 65536 - 1) * w, 0, 0, w).x; };
+  const auto sub_y = [&](double sub, double w) { return project_vertex(map, 0, (1 - sub / 65536) * w, 0, w).y; };
+  for (const double w : {1.0, 0.25, 8.0})
+    for (const int sub : {-70000, -3, -2, -1, 0, 1, 2, 1023, 1024, 131071, 4000001}) {
+      const int even = sub % 2 == 0 ? sub : sub + 1;
+      EXPECT_EQ(sub_x(sub, w), sub);
+      EXPECT_EQ(sub_y(sub, w), sub);
+      EXPECT_EQ(sub_x(sub + 0.5, w), even) << sub << " w " << w;
+      EXPECT_EQ(sub_y(sub + 0.5, w), even) << sub << " w " << w;
+      EXPECT_EQ(sub_x(sub + 0.5 - 0x1p-10, w), sub);
+      EXPECT_EQ(sub_x(sub + 0.5 + 0x1p-10, w), sub + 1);
+      EXPECT_EQ(sub_y(sub + 0.5 - 0x1p-10, w), sub);
+      EXPECT_EQ(sub_y(sub + 0.5 + 0x1p-10, w), sub + 1);
+    }
+  // Depth: 2^28 - 16 steps, so odd multiples of 2^-5 lie half-way: (2^24 - 1)/2 times 1, 3, 5.
+  for (const int odd : {1, 3, 5, 31}) {
+    const std::int64_t twice = std::int64_t{odd} * ((1 << 24) - 1), below = (twice - 1) / 2;
+    EXPECT_EQ(project_vertex(map, 0, 0, odd * 0x1p-5, 1).z4, below % 2 == 0 ? below : below + 1) << odd;
+  }
+}
+
 TEST(SetUp, EightAtOnceAreTheScalarDefinition) {
   // Positions with many ties: equal corners, zero areas, shared rows and columns, one-pixel and empty bounds, guard band.
   std::mt19937 random(5);
