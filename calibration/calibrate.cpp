@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <variant>
+#include <vector>
 
 #include "calibration/calibration_files.hpp"
 #include "calibration/polarised.hpp"
@@ -13,6 +14,7 @@
 #include "platform/host/hash.hpp"
 #include "platform/host/input_file.hpp"
 #include "platform/host/output_file.hpp"
+#include "platform/host/parallel.hpp"
 
 namespace aluminate::calibration {
 namespace {
@@ -69,13 +71,28 @@ Loaded load_straight(const std::string& path, const CalibrationOptions& options)
 // What the diffuse transform makes of diffuse and specular light together, less the diffuse: the specular
 // light on the albedo's scale. Exact for the linear fit.
 Photo calibrated_specular(const Photo& diffuse, Photo specular, const Transform& transform) {
-  Photo total = specular;
-  for (std::size_t i = 0; i < total.rgb_lin.size(); ++i) total.rgb_lin[i] += diffuse.rgb_lin[i];
-  correct_photo(total, transform);
-  Photo base = diffuse;
-  correct_photo(base, transform);
-  for (std::size_t i = 0; i < specular.rgb_lin.size(); ++i)
-    specular.rgb_lin[i] = std::max(0.0f, total.rgb_lin[i] - base.rgb_lin[i]);
+  const std::size_t width = static_cast<std::size_t>(specular.width);
+  host::parallel_for(
+      specular.height,
+      [&](std::int64_t y) {
+        const std::size_t first = 3 * width * static_cast<std::size_t>(y);
+        const float* const base_rgb = diffuse.rgb_lin.data() + first;
+        float* const rgb = specular.rgb_lin.data() + first;
+        std::vector<double> columns(6 * width);
+        double* const total = columns.data();
+        double* const base = total + 3 * width;
+        for (std::size_t x = 0; x < width; ++x)
+          for (std::size_t c = 0; c < 3; ++c) {
+            total[c * width + x] = static_cast<double>(rgb[3 * x + c] + base_rgb[3 * x + c]);
+            base[c * width + x] = static_cast<double>(base_rgb[3 * x + c]);
+          }
+        for (double* of : {total, base}) correct(transform, of, of + width, of + 2 * width, width);
+        for (std::size_t x = 0; x < width; ++x)
+          for (std::size_t c = 0; c < 3; ++c)
+            rgb[3 * x + c] = static_cast<float>(
+                std::max(0.0, std::max(0.0, total[c * width + x]) - std::max(0.0, base[c * width + x])));
+      },
+      16);
   return specular;
 }
 

@@ -14,6 +14,6 @@ struct Separated {
 };
 
 /// leakage e in [0, 0.5). The photographs must have one size. Throws UserError.
-Separated separate_polarised(Photo cross, const Photo& parallel, double leakage);
+Separated separate_polarised(Photo cross, Photo parallel, double leakage);
 
 }  // namespace aluminate::calibration
