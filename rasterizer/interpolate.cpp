@@ -91,6 +91,45 @@ void Attribute(const double* b1, const double* b2, const double* a0, const doubl
 #endif
 }
 
+/// Quad by quad: barycentrics stay in registers, and a corner's attributes lie side by side in memory.
+double Attributes(const BarycentricRows& rows, const AttributeCorners* corners, std::size_t quads, const AttributeRow* attributes,
+                  std::size_t count, double* out) {
+  const Tag d;
+  auto greatest = hn::Zero(d);
+#if HWY_NATIVE_FMA
+  const auto magic = hn::Set(d, 0x1.8p21);
+  for (std::size_t q = 0; q < quads; ++q)
+    for (std::size_t i = 4 * q; i < 4 * q + 4; i += hn::MaxLanes(d)) {
+      const auto b1 = hn::Load(d, rows.b1.data() + i), b2 = hn::Load(d, rows.b2.data() + i);
+      const double *c0 = corners[q][0], *c1 = corners[q][1], *c2 = corners[q][2];
+      for (const AttributeRow* a = attributes; a != attributes + count; ++a) {
+        const auto a0 = hn::Set(d, c0[a->attribute]);
+        const auto d1 = hn::Sub(hn::Set(d, c1[a->attribute]), a0), d2 = hn::Sub(hn::Set(d, c2[a->attribute]), a0);
+        const auto p1 = hn::Sub(hn::MulAdd(b1, d1, magic), magic), p2 = hn::Sub(hn::MulAdd(b2, d2, magic), magic);
+        const auto value = hn::Add(hn::Add(a0, p1), p2);
+        greatest = hn::Max(greatest, hn::Abs(value));
+        hn::StoreU(value, d, out + std::size_t{a->row} * kBatchLanes + i);
+      }
+    }
+#else
+  for (std::size_t q = 0; q < quads; ++q)
+    for (const AttributeRow* a = attributes; a != attributes + count; ++a) {
+      const double a0 = corners[q][0][a->attribute];
+      const double d1 = corners[q][1][a->attribute] - a0, d2 = corners[q][2][a->attribute] - a0;
+      constexpr double kMagic = 0x1.8p21;
+      for (std::size_t lane = 4 * q; lane < 4 * q + 4; ++lane) {
+        const double p1 = std::fma(rows.b1[lane], d1, kMagic) - kMagic, p2 = std::fma(rows.b2[lane], d2, kMagic) - kMagic;
+        const double value = a0 + p1 + p2;
+        greatest = hn::Max(greatest, hn::Set(d, std::fabs(value)));
+        out[std::size_t{a->row} * kBatchLanes + lane] = value;
+      }
+    }
+#endif
+  for (const AttributeRow* a = attributes; a != attributes + count; ++a)
+    std::fill(out + std::size_t{a->row} * kBatchLanes + 4 * quads, out + (std::size_t{a->row} + 1) * kBatchLanes, 0.0);
+  return hn::GetLane(hn::MaxOfLanes(d, greatest));
+}
+
 }  // namespace aluminate::raster::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -99,6 +138,7 @@ namespace aluminate::raster {
 
 HWY_EXPORT(BatchBarycentrics);
 HWY_EXPORT(Attribute);
+HWY_EXPORT(Attributes);
 
 namespace {
 
@@ -228,6 +268,11 @@ void interpolate_attribute(const BarycentricRows& rows, std::span<const double, 
                            std::span<const double, kBatchQuads> d1, std::span<const double, kBatchQuads> d2,
                            std::span<double, kBatchLanes> out) {
   HWY_DYNAMIC_DISPATCH(Attribute)(rows.b1.data(), rows.b2.data(), a0.data(), d1.data(), d2.data(), out.data());
+}
+
+double interpolate_attributes(const BarycentricRows& rows, std::span<const AttributeCorners> corners,
+                              std::span<const AttributeRow> attributes, double* out) {
+  return HWY_DYNAMIC_DISPATCH(Attributes)(rows, corners.data(), corners.size(), attributes.data(), attributes.size(), out);
 }
 
 }  // namespace aluminate::raster

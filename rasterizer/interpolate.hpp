@@ -16,6 +16,9 @@ namespace aluminate::raster {
 /// VM's 2^20 for attribute ranges up to 2^11. Reached only in helper lanes of triangles below 1/256 px or near the horizon.
 inline constexpr double kBarycentricLimit = 256;
 
+/// What interpolated attributes are multiples of.
+inline constexpr double kAttributeStep = 0x1p-31;
+
 /// Barycentrics of the submitted triangle at the lanes of up to 16 quads; b0 = 1 - b1 - b2 exactly. 1/w is held above 0 where
 /// a helper lane lies beyond the horizon.
 struct alignas(64) BarycentricRows {
@@ -49,6 +52,18 @@ void interpolate_barycentrics(const Frame& frame, std::span<const QuadPosition> 
 void interpolate_attribute(const BarycentricRows& rows, std::span<const double, kBatchQuads> a0,
                            std::span<const double, kBatchQuads> d1, std::span<const double, kBatchQuads> d2,
                            std::span<double, kBatchLanes> out);
+
+/// Where a batch's attributes come from and go: attribute `attribute` of every vertex to row `row` of the output.
+struct AttributeRow {
+  std::uint32_t attribute = 0, row = 0;
+};
+/// First attributes of the three submitted corners of a quad's triangle.
+using AttributeCorners = std::array<const double*, 3>;
+
+/// interpolate_attribute for all attributes of a batch in one pass: out[row * kBatchLanes + lane] for the lanes of
+/// corners.size() quads (<= 16), 0 in the lanes beyond them. Returns the greatest magnitude written. The same bits.
+double interpolate_attributes(const BarycentricRows& rows, std::span<const AttributeCorners> corners,
+                              std::span<const AttributeRow> attributes, double* out);
 
 /// value rounded to the 2^-31 grid, to even; |value| < 2^20.
 inline double to_fx31(double value) {

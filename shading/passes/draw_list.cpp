@@ -49,7 +49,8 @@ PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat&
                  .cost = {},
                  .path = {},
                  .varyings = {},
-                 .inputs = {}};
+                 .inputs = {},
+                 .attributes = {}};
   p.cost = cost::price(p.program, gpu, assumptions);
   p.straight_line = p.program.straight_line();
   p.path = {p.program.name,
@@ -58,8 +59,12 @@ PixelProgram make_pixel_program(vm::Program program, const number::NumberFormat&
             static_cast<std::uint32_t>(p.cost.fetches),
             whole(p.cost.fetch_cyc),
             cost::listing_lines(p.cost)};
-  for (const vm::RowBinding& input : p.executable.inputs())
+  for (const vm::RowBinding& input : p.executable.inputs()) {
     p.inputs.push_back(input_row(p.program.inputs[input.index].semantic, input.component, p.varyings));
+    if (p.inputs.back().kind == InputRow::Kind::Varying)
+      p.attributes.push_back({static_cast<std::uint32_t>(p.inputs.back().varying),
+                              static_cast<std::uint32_t>(p.inputs.size() - 1)});
+  }
   for (auto& target : p.color_row) target.fill(-1);
   const auto outputs = p.executable.outputs();
   for (std::size_t row = 0; row < outputs.size(); ++row) {
@@ -314,6 +319,8 @@ DrawList make_draw_list(const scenes::Scene& scene, const FrameOptions& options)
     const vm::ConstantBank bank =
         vm::quantise_constants(list.format, uniform_values(program.program, list.uniforms, draw.material));
     draw.constants = bank.values;
+    for (const double value : draw.constants)
+      draw.constant_bound = std::max(draw.constant_bound, std::fabs(value));
     list.sanitised_constants += bank.sanitised;
     draw.first_vertex = list.vertex_count;
     draw.first_varying = list.varying_count;

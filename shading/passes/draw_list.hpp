@@ -13,6 +13,7 @@
 
 #include "platform/console/gpu_model.hpp"
 #include "rasterizer/draw.hpp"
+#include "rasterizer/interpolate.hpp"
 #include "scenes/light_rig.hpp"
 #include "scenes/normalised_space.hpp"
 #include "scenes/scene.hpp"
@@ -43,6 +44,7 @@ struct PixelProgram {
   PathInfo path;  // cost of one run of one lane
   std::vector<Varying> varyings;
   std::vector<InputRow> inputs;  // one per Executable::inputs()
+  std::vector<raster::AttributeRow> attributes;  // those of them that are varyings
   /// Output rows of COLOR0..3 by target and component; -1: not written.
   std::array<std::array<int, 4>, kMaxTargets> color_row{};
   bool straight_line = true;
@@ -67,6 +69,7 @@ struct DrawState {
   Surface surface = Surface::Opaque;
   Pass pass = Pass::Forward;
   std::vector<double> constants;  // of the pixel program, on the grid
+  double constant_bound = 0;      // the greatest magnitude among them
   std::vector<vm::SamplerBinding> samplers;
   std::size_t first_vertex = 0;  // in the frame's vertex arrays
   std::size_t first_varying = 0;

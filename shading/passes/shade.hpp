@@ -34,9 +34,10 @@ class Shader {
   std::uint64_t run_traced(const ShadingJob& job, vm::Trace& trace);
   /// RGBA rows of 64 lanes: linear radiance and alpha, or what a target of the G-buffer receives.
   double color(int channel, int lane, std::size_t target = 0) const {
-    const double* row = color_[target][static_cast<std::size_t>(channel)];
-    return row ? row[lane] : 1.0;
+    return color_[target][static_cast<std::size_t>(channel)][lane];
   }
+  /// Red, green and blue of the first target: rows of 64 lanes.
+  std::array<const double*, 3> rgb() const { return {color_[0][0], color_[0][1], color_[0][2]}; }
   /// Input rows of the last job, in the order of PixelProgram::inputs: for inspection and tests.
   const double* input_row(std::size_t row) const { return inputs_.row(row); }
 
@@ -45,16 +46,19 @@ class Shader {
 
  private:
   vm::Batch make_batch(const ShadingJob& job);
-  void find_color(const PixelProgram& program);
-  void fill_inputs(const PixelProgram& program, const DrawState& draw,
-                   std::span<const raster::QuadPosition> quads);
+  template <class Output>
+  void find_color(const PixelProgram& program, Output output);
+  double fill_inputs(const PixelProgram& program, const DrawState& draw,
+                     std::span<const raster::QuadPosition> quads);
 
   const DrawList& list_;
   const raster::Frame& frame_;
   std::span<const double> varyings_;
+  double greatest_on_grid_ = -1;  // inputs up to here are the VM's numbers as they are; -1: none is
   std::vector<vm::Counters> counters_;
   vm::Scratch scratch_;
-  host::AlignedRows inputs_, outputs_;
+  host::AlignedRows inputs_, outputs_;  // outputs_: of a traced run; others leave theirs in the scratch rows
+  host::AlignedRows ones_;              // what is read of a channel the program does not write
   raster::BarycentricRows barycentrics_;
   std::array<raster::TriangleInfo, raster::kBatchQuads> triangles_{};
   std::array<std::array<const double*, 4>, kMaxTargets> color_{};

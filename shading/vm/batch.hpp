@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct Batch {
   /// are not active may hold anything.
   const double* inputs = nullptr;
   /// Executable::outputs().size() rows in that order. Written for active lanes that were not discarded; other lanes
-  /// keep what they had. Lanes whose path never writes a component receive 0.
+  /// keep what they had. Lanes whose path never writes a component receive 0. nullptr: results stay in the scratch rows
+  /// (Executable::output_row), where only those lanes have a meaning.
   double* outputs = nullptr;
   /// ConstantBank::values.data(): uniform_count x 4, already on the grid. May be nullptr when the program has none.
   const double* constants = nullptr;
@@ -34,6 +36,9 @@ struct Batch {
   std::uint64_t covered = 0;
   /// Input rows are finite and on the format's grid already (all 64 lanes): used in place, not sanitised.
   bool inputs_on_grid = false;
+  /// No |input| (with inputs_on_grid) or |constant| is greater; infinity: not known, and looked at.
+  double input_bound = std::numeric_limits<double>::infinity();
+  double constant_bound = std::numeric_limits<double>::infinity();
   /// Optional [blocks][64]: how often each active lane ran each block is added here. Slower; for pixel inspection.
   std::uint32_t* lane_blocks = nullptr;
   /// Out: active lanes that were discarded.

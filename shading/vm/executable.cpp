@@ -16,6 +16,7 @@ Executable::Executable(std::shared_ptr<const Decoded> decoded)
 const number::NumberFormat& Executable::format() const { return decoded_->format; }
 std::span<const RowBinding> Executable::inputs() const { return decoded_->inputs; }
 std::span<const RowBinding> Executable::outputs() const { return decoded_->outputs; }
+std::size_t Executable::output_row(std::size_t index) const { return decoded_->output_rows[index]; }
 std::size_t Executable::block_count() const { return decoded_->blocks.size(); }
 std::size_t Executable::instruction_count() const { return decoded_->instruction_count; }
 int Executable::row_count() const { return decoded_->row_count; }

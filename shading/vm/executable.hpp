@@ -34,6 +34,8 @@ class Executable {
   std::span<const RowBinding> inputs() const;
   /// Exactly the output components the program writes, ascending.
   std::span<const RowBinding> outputs() const;
+  /// Where output `index` of the last batch stands in its Scratch::rows(), in doubles.
+  std::size_t output_row(std::size_t index) const;
   std::size_t block_count() const;
   std::size_t instruction_count() const;
   /// Rows of scratch a batch needs; 512 bytes each.

@@ -148,6 +148,7 @@ void run(const Executable& executable, Batch& batch, Scratch& scratch, Counters&
   }
 
   batch.killed = frame.killed;
+  if (batch.outputs == nullptr) return;
   const std::uint64_t written = batch.active & ~frame.killed;
   for (std::size_t o = 0; o < d.output_rows.size(); ++o)
     copy_row(frame.rows + d.output_rows[o], batch.outputs + o * kLanes, written);

@@ -177,6 +177,48 @@ TEST_P(EveryVectorUnit, ConstantsStayConstantInEveryLaneHelpersIncluded) {
   EXPECT_GT(lanes, 1000u);
 }
 
+TEST_P(EveryVectorUnit, AllAttributesAtOnceAreTheSameBits) {
+  std::mt19937 random(17);
+  for (std::size_t quads = 1; quads <= kBatchQuads; ++quads) {
+    BarycentricRows rows;
+    for (std::size_t lane = 0; lane < kBatchLanes; ++lane) {
+      rows.b1[lane] = to_fx31(random() * 0x1p-30 - 2);
+      rows.b2[lane] = to_fx31(random() * 0x1p-30 - 2);
+    }
+    constexpr std::size_t kAttributes = 5;
+    std::array<std::array<std::array<double, kAttributes>, 3>, kBatchQuads> values;
+    std::array<AttributeCorners, kBatchQuads> corners;
+    for (std::size_t q = 0; q < kBatchQuads; ++q)
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (double& value : values[q][k]) value = to_fx31(random() * 0x1p-26 - 32);
+        corners[q][k] = values[q][k].data();
+      }
+    // Two attributes are read by nobody, and the rows of the others are in another order.
+    const std::array<AttributeRow, 3> wanted{{{4, 0}, {0, 3}, {2, 1}}};
+    alignas(64) std::array<double, 4 * kBatchLanes> out;
+    out.fill(77);
+    const double greatest = interpolate_attributes(rows, {corners.data(), quads}, wanted, out.data());
+    double expected_greatest = 0;
+    for (const AttributeRow& row : wanted) {
+      std::array<double, kBatchQuads> a0, d1, d2;
+      for (std::size_t q = 0; q < kBatchQuads; ++q) {
+        a0[q] = corners[q][0][row.attribute];
+        d1[q] = corners[q][1][row.attribute] - a0[q];
+        d2[q] = corners[q][2][row.attribute] - a0[q];
+      }
+      std::array<double, kBatchLanes> expected;
+      interpolate_attribute(rows, a0, d1, d2, expected);
+      for (std::size_t lane = 0; lane < kBatchLanes; ++lane) {
+        const bool inside = lane < 4 * quads;
+        ASSERT_EQ(out[row.row * kBatchLanes + lane], inside ? expected[lane] : 0.0);
+        if (inside) expected_greatest = std::max(expected_greatest, std::fabs(expected[lane]));
+      }
+    }
+    ASSERT_EQ(greatest, expected_greatest);
+    for (std::size_t lane = 0; lane < kBatchLanes; ++lane) ASSERT_EQ(out[2 * kBatchLanes + lane], 77);
+  }
+}
+
 TEST_P(EveryVectorUnit, HelperLanesExtrapolateThePlane) {
   // Orthographic: b is linear in the pixel, inside and outside, as long as it stays within the limit.
   OneTriangle t;

@@ -17,10 +17,12 @@ void count_lanes(NativeFrame& frame, std::uint32_t block) noexcept {
   for (std::uint64_t exec = frame.frame.exec; exec != 0; exec &= exec - 1) ++lanes[std::countr_zero(exec)];
 }
 
-// What Assume::Typical took for granted.
-bool is_typical(const Decoded& d, const Frame& frame) {
-  return all_within(frame.base[static_cast<int>(Space::Input)], d.inputs.size() * kLanes, kTypicalInput) &&
-         all_within(frame.base[static_cast<int>(Space::Uniform)], d.uniform_values, kTypicalUniform);
+// What Assume::Typical took for granted. Sanitising moves no value away from 0: a bound given for a batch holds after it.
+bool is_typical(const Decoded& d, const Batch& batch, const Frame& frame) {
+  return (batch.input_bound <= kTypicalInput ||
+          all_within(frame.base[static_cast<int>(Space::Input)], d.inputs.size() * kLanes, kTypicalInput)) &&
+         (batch.constant_bound <= kTypicalUniform ||
+          all_within(frame.base[static_cast<int>(Space::Uniform)], d.uniform_values, kTypicalUniform));
 }
 
 // A straight program costs the same whatever its data: nothing is counted while it runs.
@@ -41,7 +43,7 @@ void count_straight(const Decoded& d, const Batch& batch, Counters& counters) {
 }  // namespace
 
 Outcome run_native(const Native& native, const Decoded& d, const Batch& batch, Frame& frame, Counters& counters) noexcept {
-  if (native.description().typical_only && !is_typical(d, frame)) return Outcome::Atypical;
+  if (native.description().typical_only && !is_typical(d, batch, frame)) return Outcome::Atypical;
   NativeFrame n;
   n.frame = frame;
   n.blocks = counters.blocks.data();
