@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace aluminate::passes {
@@ -117,27 +118,39 @@ void TileBill::store(const raster::TileView& tile, int image_width, CostPlanes& 
                                                                    {&overdraw_, planes.overdraw.data()},
                                                                    {&helpers_, planes.helpers.data()}}};
   const auto width = static_cast<std::size_t>(image_width);
-  for (int y = 0; y < tile.height; y += 2)
-    for (int x = 0; x < tile.width; x += 2) {
-      const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));  // lanes (0,0) (1,0) (0,1) (1,1)
-      const std::size_t to = static_cast<std::size_t>(tile.origin.y + y) * width + static_cast<std::size_t>(tile.origin.x + x);
-      if (x + 1 < tile.width && y + 1 < tile.height) {
-        for (const auto& [plane, image] : all) {
-          std::copy_n(&(*plane)[from], 2, image + to);
-          std::copy_n(&(*plane)[from + 2], 2, image + to + width);
-        }
+  const auto copy_stamp = [&](int x, int y) {  // rows of four pixels: the upper or lower halves of two quads
+    const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));
+    const std::size_t to = static_cast<std::size_t>(tile.origin.y + y) * width + static_cast<std::size_t>(tile.origin.x + x);
+    for (const auto& [plane, image] : all)
+      for (std::size_t row = 0; row < 4; ++row) {
+        const std::uint32_t* quads = &(*plane)[from + 8 * (row / 2) + 2 * (row % 2)];
+        std::memcpy(image + to + row * width, quads, 8);
+        std::memcpy(image + to + row * width + 2, quads + 4, 8);
+      }
+  };
+  // At the picture's edge. One more row and column than the picture where its size is odd: helper lanes out there belong
+  // to their quad's pixel.
+  const auto add_quad = [&](int x, int y) {
+    const auto from = static_cast<std::size_t>(raster::TileView::element(x, y));  // lanes (0,0) (1,0) (0,1) (1,1)
+    const std::size_t to = static_cast<std::size_t>(tile.origin.y + y) * width + static_cast<std::size_t>(tile.origin.x + x);
+    const std::size_t right = x + 1 < tile.width ? 1 : 0, below = y + 1 < tile.height ? width : 0;
+    for (const auto& [plane, image] : all) {
+      const std::uint32_t* lane = &(*plane)[from];
+      for (const std::size_t pixel : {to, to + right, to + below, to + right + below}) image[pixel] = 0;
+      image[to] += lane[0];
+      image[to + right] += lane[1];
+      image[to + below] += lane[2];
+      image[to + right + below] += lane[3];
+    }
+  };
+  for (int y = 0; y < tile.height; y += 4)
+    for (int x = 0; x < tile.width; x += 4) {
+      if (x + 4 <= tile.width && y + 4 <= tile.height) {
+        copy_stamp(x, y);
         continue;
       }
-      // One more row and column than the picture where its size is odd: helper lanes out there belong to their quad's pixel.
-      const std::size_t right = x + 1 < tile.width ? 1 : 0, below = y + 1 < tile.height ? width : 0;
-      for (const auto& [plane, image] : all) {
-        const std::uint32_t* lane = &(*plane)[from];
-        for (const std::size_t pixel : {to, to + right, to + below, to + right + below}) image[pixel] = 0;
-        image[to] += lane[0];
-        image[to + right] += lane[1];
-        image[to + below] += lane[2];
-        image[to + right + below] += lane[3];
-      }
+      for (int quad_y = y; quad_y < std::min(y + 4, tile.height); quad_y += 2)
+        for (int quad_x = x; quad_x < std::min(x + 4, tile.width); quad_x += 2) add_quad(quad_x, quad_y);
     }
 }
 

@@ -89,7 +89,7 @@ struct Frame {
   }
 };
 
-/// Planes of the right size: nothing covered, depth far, no cost. `recycled` gives its memory.
+/// Planes of the right size, for tiles to fill. New memory is 0; that of `recycled` holds what it held.
 Frame blank_frame(const FrameOptions& options, Frame recycled = {});
 
 /// Renders `scene` once: shading/passes/renderer.hpp for more frames of one scene. Throws UserError for options that do not fit the scene or the shader.

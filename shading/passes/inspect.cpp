@@ -36,7 +36,7 @@ class Microscope : public raster::QuadShader, public raster::BillSink {
         drawn_(drawn),
         lights_due_(prepared.list.gbuffer_targets > 0),
         report_(report) {
-    const std::array<float, 3> background = linear_background(options.background);
+    const std::array<float, 4> background = Background(options.background).linear;
     colors_.fill({background[0], background[1], background[2]});
   }
 

@@ -12,6 +12,7 @@
 #include "shading/passes/pass_totals.hpp"
 #include "shading/passes/renderer.hpp"
 #include "shading/passes/resolve.hpp"
+#include "shading/passes/tile_pixels.hpp"
 #include "shading/passes/tile_worker.hpp"
 
 namespace aluminate::passes {
@@ -30,6 +31,19 @@ class PhaseClock {
   Timing& timing_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+// Tiles that are drawn write all of their pixels.
+void blank_empty_tiles(const raster::Frame& raster_frame, const Background& background, Frame& frame) {
+  host::parallel_for(raster_frame.viewport().tile_count(), [&](std::int64_t index) {
+    const int tile = static_cast<int>(index);
+    if (!raster_frame.tile_is_empty(tile)) return;
+    const raster::TileOrigin origin = raster::tile_origin(raster_frame.viewport(), tile);
+    blank_pixels(background,
+                 {origin.x, origin.y, std::min(raster::kTilePx, frame.width - origin.x),
+                  std::min(raster::kTilePx, frame.height - origin.y)},
+                 frame);
+  });
+}
 
 void add_saturations(const vm::Program& program, const vm::Counters& counters, bool checked, Frame& frame) {
   for (std::size_t i = 0; i < counters.saturations.size(); ++i) {
@@ -57,13 +71,14 @@ Frame blank_frame(const FrameOptions& options, Frame recycled) {
   frame.covered = std::move(recycled.covered);
   frame.depth_d24 = std::move(recycled.depth_d24);
   frame.cost = std::move(recycled.cost);
+  frame.rgba8.resize(pixels * 4);
   frame.linear.resize(pixels * 4);
-  frame.covered.assign(pixels, 0);
-  frame.depth_d24.assign(pixels, raster::kDepthMax);
+  frame.covered.resize(pixels);
+  frame.depth_d24.resize(pixels);
   CostPlanes& cost = frame.cost;
   for (auto* plane : {&cost.alu_words, &cost.alu_slots, &cost.fetches, &cost.fetch_cyc, &cost.overdraw,
                       &cost.helpers, &cost.path})
-    plane->assign(pixels, 0);
+    plane->resize(pixels);
   return frame;
 }
 
@@ -85,8 +100,6 @@ Frame Renderer::draw(Frame recycled) {
   frame.lights = list.lights.description;
   frame.light_count = static_cast<int>(list.lights.lights.size());
   for (const PixelProgram& program : list.pixel_programs) frame.paths.push_back(program.path);
-  clear_to_background(options_.background, frame);
-  clock.end("clear");
 
   draw_shadows(prepared_, options_);
   clock.end("shadows");
@@ -94,6 +107,8 @@ Frame Renderer::draw(Frame recycled) {
   clock.end("vertex");
   set_up_triangles(prepared_, options_);
   clock.end("setup");
+  blank_empty_tiles(prepared_.raster_frame, Background(options_.background), frame);
+  clock.end("clear");
 
   GBuffer gbuffer(options_.width, options_.height, list.gbuffer_targets);
   host::PerWorker<TileWorker> workers([&] { return TileWorker(prepared_, options_, gbuffer, frame); });

@@ -6,24 +6,10 @@
 
 #include "platform/host/parallel.hpp"
 #include "platform/host/workers.hpp"
-#include "shading/vm/srgb.hpp"
+#include "shading/passes/tile_pixels.hpp"
 
 namespace aluminate::passes {
 namespace {
-
-std::uint8_t stored_code(double display) { return static_cast<std::uint8_t>(display * 255.0 + 0.5); }
-
-// Where nothing was drawn the background is what the user asked to have stored.
-void encode_row(const std::array<std::uint8_t, 4>& background, Frame& frame, int y) {
-  const std::size_t width = static_cast<std::size_t>(frame.width),
-                    first = static_cast<std::size_t>(y) * width;
-  for (std::size_t i = first; i < first + width; ++i) {
-    std::array<std::uint8_t, 4> stored = background;
-    if (frame.covered[i])
-      for (std::size_t c = 0; c < 3; ++c) stored[c] = vm::srgb_encode8(frame.linear[i * 4 + c]);
-    std::copy(stored.begin(), stored.end(), &frame.rgba8[i * 4]);
-  }
-}
 
 // Runs the tone map over rows of 64 pixels, in place on `mapped`.
 void tone_map(const DrawList& list, Tonemap tonemap, VmTier tier, std::vector<float>& mapped, Frame& frame) {
@@ -99,31 +85,15 @@ void tone_map(const DrawList& list, Tonemap tonemap, VmTier tier, std::vector<fl
 
 }  // namespace
 
-std::array<float, 3> linear_background(const glm::dvec3& stored) {
-  std::array<float, 3> linear{};
-  for (std::size_t c = 0; c < 3; ++c)
-    linear[c] = static_cast<float>(vm::srgb_decode16(stored_code(stored[static_cast<int>(c)])) / 65535.0);
-  return linear;
-}
-
-void clear_to_background(const glm::dvec3& stored, Frame& frame) {
-  const std::array<float, 3> rgb = linear_background(stored);
-  const std::array<float, 4> linear{rgb[0], rgb[1], rgb[2], 1};
-  for (std::size_t i = 0; i < frame.linear.size(); ++i) frame.linear[i] = linear[i % 4];
-}
-
 void resolve(const FrameOptions& options, const DrawList& list, Frame& frame) {
-  frame.rgba8.resize(frame.pixel_count() * 4);
-  std::vector<float> untouched;
-  if (options.tonemap != Tonemap::None) {
-    untouched = frame.linear;
-    tone_map(list, options.tonemap, options.vm, frame.linear, frame);
-  }
-  std::array<std::uint8_t, 4> background{0, 0, 0, 255};
-  for (std::size_t c = 0; c < 3; ++c) background[c] = stored_code(options.background[static_cast<int>(c)]);
-  host::parallel_for(frame.height,
-                     [&](std::int64_t y) { encode_row(background, frame, static_cast<int>(y)); });
-  if (!untouched.empty()) frame.linear = std::move(untouched);
+  if (options.tonemap == Tonemap::None) return;
+  std::vector<float> untouched = frame.linear;
+  tone_map(list, options.tonemap, options.vm, frame.linear, frame);
+  const Background background(options.background);
+  host::parallel_for(frame.height, [&](std::int64_t y) {
+    encode_pixels(background, {0, static_cast<int>(y), frame.width, 1}, frame);
+  });
+  frame.linear = std::move(untouched);
 }
 
 }  // namespace aluminate::passes

@@ -16,6 +16,8 @@ TileWorker::TileWorker(const PreparedFrame& prepared, const FrameOptions& option
       light_(prepared.list, prepared.light_plan, gbuffer, frame.width, frame.height,
              !options.no_skip.contains("tile_lights")),
       samples_(prepared.raster_frame.samples()),
+      background_(options.background),
+      encodes_(options.tonemap == Tonemap::None),
       sample_colors_(samples_),
       gbuffer_(gbuffer),
       frame_(frame) {}
@@ -23,6 +25,7 @@ TileWorker::TileWorker(const PreparedFrame& prepared, const FrameOptions& option
 void TileWorker::run(int tile) {
   bill_.begin();
   tile_.begin(tile);
+  clear_pixels(background_, pixels(), frame_);
   lit_.fill(0);
   lights_due_ = list_.gbuffer_targets > 0;
   if (samples_ > 1) sample_colors_.begin(tile_.view(), frame_);
@@ -33,6 +36,12 @@ void TileWorker::run(int tile) {
   if (samples_ > 1) sample_colors_.resolve(tile_.view(), frame_);
   bill_.store(tile_.view(), frame_.width, frame_.cost);
   raster::store_depth(tile_.view(), frame_.depth_d24, frame_.width);
+  if (encodes_) encode_pixels(background_, pixels(), frame_);
+}
+
+PixelRect TileWorker::pixels() const {
+  const raster::TileView view = tile_.view();
+  return {view.origin.x, view.origin.y, view.width, view.height};
 }
 
 std::uint64_t TileWorker::shade(const raster::QuadBatch& batch) {
@@ -51,42 +60,29 @@ std::uint64_t TileWorker::shade(const raster::QuadBatch& batch) {
   const std::uint64_t kept =
       shader_.run({batch.draw, {quads.data(), count}, wanted, lane_blocks}) & batch.visible;
   if (lane_blocks) bill_executed(program, batch);
-  for (std::uint64_t lanes = kept; lanes; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    const std::size_t q = static_cast<std::size_t>(lane) / 4;
-    unsigned samples = 0;
-    for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
-      samples |= static_cast<unsigned>(batch.visible_samples[s] >> lane & 1) << s;
-    store(batch.x[q] + (lane & 1), batch.y[q] + (lane >> 1 & 1), samples, lane, draw);
-  }
+  store_batch({quads.data(), count}, kept, draw, batch.visible_samples);
   return kept;
 }
 
 void TileWorker::shade_visible() {
   raster::gather_visible_quads(raster_frame_, tile_.view(), visible_);
   std::array<raster::QuadPosition, raster::kBatchQuads> quads;
-  std::array<std::uint16_t, raster::kBatchQuads> quad_samples;
   for (std::size_t first = 0; first < visible_.size();) {
     const std::uint32_t draw = visible_[first].draw;
     std::size_t count = 0;
     std::uint64_t covered = 0;
+    std::array<std::uint64_t, raster::kMaxSamples> samples{};
     while (count < raster::kBatchQuads && first + count < visible_.size() &&
            visible_[first + count].draw == draw) {
       const raster::VisibleQuad& quad = visible_[first + count];
       quads[count] = {quad.triangle, quad.x, quad.y};
-      quad_samples[count] = quad.samples;
       covered |= std::uint64_t{quad.lanes} << 4 * count;
+      for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+        samples[s] |= std::uint64_t{quad.samples >> 4 * s & 0xfu} << 4 * count;
       ++count;
     }
     shader_.run({draw, {quads.data(), count}, covered, nullptr});
-    for (std::uint64_t lanes = covered; lanes; lanes &= lanes - 1) {
-      const int lane = std::countr_zero(lanes);
-      const std::size_t q = static_cast<std::size_t>(lane) / 4;
-      // One bit of every nibble: the lane's samples.
-      const unsigned bits = quad_samples[q] >> (lane & 3) & 0x1111u;
-      const unsigned samples = (bits | bits >> 3 | bits >> 6 | bits >> 9) & 0xfu;
-      store(quads[q].x + (lane & 1), quads[q].y + (lane >> 1 & 1), samples, lane, list_.draws[draw]);
-    }
+    store_batch({quads.data(), count}, covered, list_.draws[draw], samples);
     first += count;
   }
 }
@@ -108,13 +104,29 @@ void TileWorker::light_up() {
   light_.run(view, lit_, frame_);
 }
 
+// What the shader has just made of these lanes. samples: by sample, the lanes that won it.
+void TileWorker::store_batch(std::span<const raster::QuadPosition> quads, std::uint64_t lanes, const DrawState& draw,
+                             const std::array<std::uint64_t, raster::kMaxSamples>& samples) {
+  if (samples_ == 1 && draw.pass != Pass::Gbuffer && draw.surface != Surface::Blended) {
+    store_quads(quads, lanes, static_cast<std::uint32_t>(draw.pixel_program) + 1, shader_.rgb(), frame_);
+    return;
+  }
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    const raster::QuadPosition& quad = quads[static_cast<std::size_t>(lane) / 4];
+    unsigned won = 0;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+      won |= static_cast<unsigned>(samples[s] >> lane & 1) << s;
+    store(quad.x + (lane & 1), quad.y + (lane >> 1 & 1), won, lane, draw);
+  }
+}
+
 // Result of one pixel, or of those of its samples that the lane won: G-buffer texels, or colour.
 void TileWorker::store(int x, int y, unsigned samples, int lane, const DrawState& draw) {
   const std::size_t at =
       static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
   frame_.covered[at] = 1;
   frame_.cost.path[at] = static_cast<std::uint32_t>(draw.pixel_program) + 1;
-  frame_.linear[at * 4 + 3] = 1.0f;
   const raster::TileOrigin origin = tile_.view().origin;
   const int tx = x - origin.x, ty = y - origin.y;
   if (draw.pass == Pass::Gbuffer) {  // one sample a pixel: draw_list.cpp refuses others

@@ -14,6 +14,7 @@
 #include "shading/passes/prepared.hpp"
 #include "shading/passes/sample_colors.hpp"
 #include "shading/passes/shade.hpp"
+#include "shading/passes/tile_pixels.hpp"
 
 namespace aluminate::passes {
 
@@ -38,6 +39,9 @@ class TileWorker : public raster::QuadShader {
  private:
   void shade_visible();
   void light_up();
+  PixelRect pixels() const;
+  void store_batch(std::span<const raster::QuadPosition> quads, std::uint64_t lanes, const DrawState& draw,
+                   const std::array<std::uint64_t, raster::kMaxSamples>& samples);
   void store(int x, int y, unsigned samples, int lane, const DrawState& draw);
   void write(float* rgb, int lane, bool blended) const;
   void bill_executed(const PixelProgram& program, const raster::QuadBatch& batch);
@@ -50,6 +54,8 @@ class TileWorker : public raster::QuadShader {
   TileBill bill_;
   LightStage light_;
   const int samples_;  // a pixel
+  const Background background_;
+  const bool encodes_;  // without a tone map a tile's light is final
   SampleColors sample_colors_;
   GBuffer& gbuffer_;
   Frame& frame_;

@@ -55,4 +55,36 @@ constexpr std::uint8_t srgb_encode8(double linear) {
   return static_cast<std::uint8_t>(code + (code < 255 && linear >= kSrgbThreshold[code + 1] ? 1 : 0));
 }
 
+namespace detail {
+
+// The same buckets for a binary32: its exponent and 7 bits are the bucket, the 16 bits below are compared with the
+// bucket's threshold by a carry. An entry is code * 2^16 + (2^16 - low half of the least binary32 at or above the
+// threshold), or code * 2^16 where the bucket holds none: entry + low half has the code in its upper half.
+inline constexpr std::uint32_t kSrgbFirstBucket32 = std::bit_cast<std::uint32_t>(0x1p-13f) >> 16;
+inline constexpr std::array<std::uint32_t, kSrgbBuckets> kSrgbEntry32 = [] {
+  std::array<std::uint32_t, kSrgbBuckets> entries{};
+  for (std::uint32_t b = 0; b < kSrgbBuckets; ++b) {
+    const std::uint32_t code = kSrgbBucketCode[b];
+    entries[b] = code << 16;
+    if (code == 255) continue;
+    const double threshold = kSrgbThreshold[code + 1];
+    auto least = static_cast<float>(threshold);
+    if (static_cast<double>(least) < threshold) least = std::bit_cast<float>(std::bit_cast<std::uint32_t>(least) + 1);
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(least);
+    if (bits >> 16 == kSrgbFirstBucket32 + b) entries[b] += 0x10000u - (bits & 0xffffu);
+  }
+  return entries;
+}();
+
+}  // namespace detail
+
+/// srgb_encode8 of a binary32, without a branch.
+constexpr std::uint8_t srgb_encode8_single(float linear) {
+  const float above = linear > 0x1p-13f ? linear : 0x1p-13f;  // NaN too
+  const float within = above < 0x1.fffffep-1f ? above : 0x1.fffffep-1f;
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(within);
+  return static_cast<std::uint8_t>((detail::kSrgbEntry32[(bits >> 16) - detail::kSrgbFirstBucket32] + (bits & 0xffffu)) >> 16);
+}
+static_assert(kSrgbThreshold[255] < 0x1.fffffep-1, "the greatest binary32 below 1 encodes to 255");
+
 }  // namespace aluminate::vm

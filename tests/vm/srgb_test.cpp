@@ -73,5 +73,17 @@ TEST(Srgb, EncodeIsMonotoneAndTotal) {
   EXPECT_EQ(srgb_encode8(INFINITY), 255);
 }
 
+TEST(Srgb, EncodeOfABinary32IsTheSame) {
+  const auto expect_same = [](float x) { ASSERT_EQ(srgb_encode8_single(x), srgb_encode8(double{x})) << std::hexfloat << x; };
+  for (int c = 1; c < 256; ++c) {
+    const auto near = static_cast<float>(kSrgbThreshold[c]);
+    float x = near;
+    for (int i = 0; i < 4; ++i) x = std::nextafter(x, 0.0f);
+    for (int i = 0; i < 9; ++i, x = std::nextafter(x, 2.0f)) expect_same(x);
+  }
+  for (std::uint32_t bits = 0; bits < 0x3f800000u + 70000; bits += 509) expect_same(std::bit_cast<float>(bits));
+  for (const float x : {0.0f, -0.0f, -1.0f, 1.0f, 2.0f, 1e30f, -1e30f, INFINITY, -INFINITY, std::nanf("")}) expect_same(x);
+}
+
 }  // namespace
 }  // namespace aluminate::vm
