@@ -34,17 +34,7 @@ void forward_lit(benchmark::State& state, const char* format_name, int lights, s
   if (width != 0) {
     vm::jit::CompileOptions options;
     options.width = width;
-    options.listing = getenv("ALU_DUMP") != nullptr;
-    if (getenv("ALU_WINDOW")) options.window = (unsigned)atoi(getenv("ALU_WINDOW"));
-    if (getenv("ALU_STRETCH")) options.stretch = (unsigned)atoi(getenv("ALU_STRETCH"));
-    if (getenv("ALU_LEVEL")) options.level = atoi(getenv("ALU_LEVEL"));
     const vm::jit::Compiled made = vm::jit::compile(executable.decoded(), options);
-    if (options.listing) {
-      FILE* f = fopen(getenv("ALU_DUMP"), "w");
-      fputs(made.assembly.c_str(), f);
-      fclose(f);
-      return state.SkipWithError("dump");
-    }
     if (made.code.empty()) return state.SkipWithError(made.problem.c_str());
     executable.slot().publish(options.assume, std::make_shared<vm::jit::Native>(made.code, made.description));
     state.counters["code_bytes"] = static_cast<double>(made.code.size());

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "platform/host/cache_folder.hpp"
+#include "shading/vm/range_plan.hpp"
 
 namespace aluminate::vm::jit {
 namespace {
@@ -120,6 +121,11 @@ host::Hash128 code_key(const Decoded& d, const CompileOptions& options) {
     for (std::uint32_t row : *rows) h.add_u32(row);
   }
   h.add_u32(static_cast<std::uint32_t>(d.row_count)).add_u32(static_cast<std::uint32_t>(d.level_count));
+  // What was proven decides which checks the code has; a later version of the analysis may prove more, or less.
+  for (const OperationRange& range : plan_ranges(d, options.assume).operations) {
+    h.add_u32((range.in_range ? 1u : 0u) | (range.never_minus_zero ? 2u : 0u));
+    for (double x : {range.operand.least, range.operand.greatest, range.result.least, range.result.greatest, range.reach}) add(h, x);
+  }
   return h.finish();
 }
 

@@ -1,7 +1,8 @@
 // Compiled code that is kept: in memory for this process, on disk for the next ones.
 //   in   a decoded program and what was assumed of its inputs
 //   out  code whose key, size and checksum all match, or nothing
-// The key names everything the code depends on: the program, the processor, the compiler module and LLVM behind it.
+// The key names everything the code depends on: the program and what is proven of its ranges, the processor, the compiler
+// module and LLVM behind it.
 #pragma once
 
 #include <memory>
