@@ -63,7 +63,7 @@ THIRD_PARTY = {
     # The compiler module: everything else must start without LLVM.
     "llvm/": ["shading/vm/jit/definitions.*", "shading/vm/jit/flat_code.*", "shading/vm/jit/generator.*", "shading/vm/jit/module.cpp"],
     "glslang/": ["shading/compiler/*.cpp"],
-    "spirv-tools/": ["shading/compiler/*.cpp"],
+    "spirv-tools/": ["shading/compiler/*.cpp", "tests/compiler/*.cpp"],
     "spirv/": ["shading/compiler/*"],
     "Eigen/": ["calibration/*.cpp", "tests/calibration/*.cpp"],
     "opencv2/": ["calibration/*.cpp"],

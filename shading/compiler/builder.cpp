@@ -2,6 +2,7 @@
 
 #include "platform/host/error.hpp"
 #include "shading/compiler/fold.hpp"
+#include "shading/compiler/limits.hpp"
 
 #include <algorithm>
 #include <bit>

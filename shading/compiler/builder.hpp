@@ -10,9 +10,6 @@
 
 namespace aluminate::compiler {
 
-/// Most nodes one program may have; unrolling past it is a UserError.
-inline constexpr std::size_t kMaxNodes = 60000;
-
 class Builder {
  public:
   explicit Builder(Ir& ir);

@@ -5,7 +5,10 @@
 #include "platform/host/input_file.hpp"
 #include "shading/compiler/emit.hpp"
 #include "shading/compiler/front_end.hpp"
+#include "shading/compiler/limits.hpp"
 #include "shading/compiler/lower.hpp"
+#include "shading/compiler/module_size.hpp"
+#include "shading/compiler/program_limits.hpp"
 #include "shading/compiler/simplify.hpp"
 #include "shading/compiler/spirv_passes.hpp"
 
@@ -15,7 +18,7 @@
 namespace aluminate::compiler {
 namespace {
 
-// The parsers recurse once per nested construct; front_end.hpp bounds the nesting so that this is enough.
+// The parsers recurse once per nested construct; limits.hpp bounds the nesting so that this is enough.
 constexpr std::size_t kStackBytes = std::size_t{512} << 20;
 
 Language language_of(const Options& options) {
@@ -52,11 +55,12 @@ vm::Program compile_here(const Options& options) {
   const Language language = language_of(options);
   const std::string source = read_source(options);
   FrontEndResult front;
-  if (language == Language::Spirv)
+  if (language == Language::Spirv) {
     front.spirv = words_of(source, file);
-  else
+    check_module_size(front.spirv, file);
+  } else {
     front = run_front_end(options, language, source);
-
+  }
   validate_spirv(front.spirv, file);
   std::vector<std::uint32_t> words = specialise(front.spirv, options.spec_constants, file);
   words = optimise_spirv(std::move(words), options.optimise, file);
@@ -69,6 +73,7 @@ vm::Program compile_here(const Options& options) {
   if (lowered.symbols.files.empty()) lowered.symbols.files.push_back(file);
   simplify(lowered.ir);
   vm::Program program = emit(std::move(lowered));
+  check_limits(program);
   program.name = options.name.empty() ? std::filesystem::path(file).filename().string() : options.name;
   return program;
 }

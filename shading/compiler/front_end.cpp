@@ -2,12 +2,17 @@
 
 #include "platform/host/error.hpp"
 #include "shading/compiler/diagnostics.hpp"
+#include "shading/compiler/limits.hpp"
+#include "shading/compiler/macro_size.hpp"
+#include "shading/compiler/module_size.hpp"
 #include "shading/compiler/source_scan.hpp"
 
-#define ENABLE_HLSL  // as Debian builds the library: declares the HLSL half of the interface
+#define ENABLE_HLSL   // as Debian builds the library: declares the HLSL half of the interface
+#define ENABLE_OPT 1  // and what makes HLSL's output legal
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
 #include <glslang/SPIRV/GlslangToSpv.h>
+#include <glslang/SPIRV/SpvTools.h>
 
 #include <filesystem>
 #include <fstream>
@@ -31,8 +36,12 @@ void initialise_glslang() {
 class Includer final : public glslang::TShader::Includer {
  public:
   Includer(std::filesystem::path source_folder, const Options& options, std::set<std::string>& registers,
-           std::size_t bytes)
-      : options_(options), source_folder_(std::move(source_folder)), registers_(registers), bytes_(bytes) {
+           MacroSize& macros, std::size_t bytes)
+      : options_(options),
+        source_folder_(std::move(source_folder)),
+        registers_(registers),
+        macros_(macros),
+        bytes_(bytes) {
     for (const std::string& d : options.include_dirs) dirs_.emplace_back(d);
   }
 
@@ -58,6 +67,7 @@ class Includer final : public glslang::TShader::Includer {
       return failure(fmt::format("the source and its includes are larger than {} bytes", kMaxTotalBytes));
     scan_source(content, name);
     find_explicit_registers(content, registers_);
+    macros_.add(content, name);
     const std::string& text = texts_.try_emplace(name, std::move(content)).first->second;
     return new IncludeResult(name, text.data(), text.size(), nullptr);
   }
@@ -94,6 +104,7 @@ class Includer final : public glslang::TShader::Includer {
   std::map<std::string, std::string> texts_;
   std::vector<std::unique_ptr<std::string>> messages_;
   std::set<std::string>& registers_;
+  MacroSize& macros_;
   std::size_t bytes_;
 };
 
@@ -161,7 +172,10 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
     shader.setGlobalUniformBinding(0);
   }
 
-  Includer includer(std::filesystem::path(file).parent_path(), options, result.explicit_registers,
+  MacroSize macros;
+  macros.add(preamble, file);
+  macros.add(text, file);
+  Includer includer(std::filesystem::path(file).parent_path(), options, result.explicit_registers, macros,
                     text.size());
   const auto texts = [&](const std::string& name) -> const std::string* {
     if (name == file) return &text;
@@ -181,12 +195,17 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
 
   glslang::SpvOptions spv_options;
   spv_options.generateDebugInfo = true;
-  spv_options.disableOptimizer = !hlsl;  // HLSL needs the legalisation passes
+  spv_options.disableOptimizer = true;
   spv::SpvBuildLogger logger;
   glslang::GlslangToSpv(*program.getIntermediate(stage), result.spirv, &logger, &spv_options);
   if (const std::string log = logger.getAllMessages();
       result.spirv.empty() || log.find("ERROR") != std::string::npos)
     throw front_end_error(log, file, texts, hlsl);
+  check_module_size(result.spirv, file);
+  if (hlsl) {  // needs the legalisation passes
+    spv_options.disableOptimizer = false;
+    glslang::SpirvToolsTransform(*program.getIntermediate(stage), result.spirv, &logger, &spv_options);
+  }
   return result;
 }
 

@@ -21,10 +21,4 @@ struct FrontEndResult {
 /// size.
 FrontEndResult run_front_end(const Options& options, Language language, const std::string& text);
 
-/// Largest source file, and largest total with includes, in bytes.
-inline constexpr std::size_t kMaxSourceBytes = 512 * 1024;
-inline constexpr std::size_t kMaxTotalBytes = 4 * 1024 * 1024;
-/// Deepest nesting of brackets, and longest run of prefix operators or else-if branches: the parsers recurse.
-inline constexpr int kMaxBracketDepth = 200;
-
 }  // namespace aluminate::compiler

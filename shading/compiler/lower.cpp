@@ -51,6 +51,7 @@ Tuple Lowerer::constant(SpvId id, const SpirvInstruction& d) {
       return {num(0)};
     case spv::Op::OpConstantNull:
     case spv::Op::OpUndef:
+      hold(d, m_.scalar_count(d.type));
       return Tuple(m_.scalar_count(d.type), num(0));
     case spv::Op::OpConstant:
     case spv::Op::OpSpecConstant: {
@@ -70,26 +71,29 @@ Tuple Lowerer::constant(SpvId id, const SpirvInstruction& d) {
       Tuple t;
       for (SpvId part : d.operands) {
         const Tuple v = value(part);
+        hold(d, v.size());
         t.insert(t.end(), v.begin(), v.end());
       }
       return t;
     }
     default:
-      refuse(d, spirv_op_name(d.op));
+      refuse(d, spirv_op_name(d.op) + " as a value");
   }
 }
 
 const Tuple& Lowerer::value(SpvId id) {
   if (auto it = values_.find(id); it != values_.end()) return it->second;
   const SpirvInstruction* d = m_.definition(id);
-  ALU_CHECK(d != nullptr, "value %{} has no definition", id);
+  if (d == nullptr) throw UserError(place(b_.line()), fmt::format("value %{} has no definition", id));
   Tuple t = constant(id, *d);
   return values_[id] = std::move(t);
 }
 
 Lanes Lowerer::vec(SpvId id) {
   const Tuple& t = value(id);
-  ALU_CHECK(t.size() <= 4, "value %{} with {} components used as a vector", id, t.size());
+  if (t.size() > 4)
+    throw UserError(place(b_.line()), fmt::format("unsupported: a vector of {} components", t.size()),
+                    "vectors have up to 4");
   Lanes v;
   for (Ref r : t) v.push(r);
   return v;
@@ -108,10 +112,23 @@ std::vector<Lanes> Lowerer::columns(SpvId id) {
   return result;
 }
 
-void Lowerer::define(const SpirvInstruction& i, Tuple v) { values_[i.result] = std::move(v); }
+// Values are never dropped; this bounds what they take together.
+void Lowerer::hold(const SpirvInstruction& i, std::size_t scalars) {
+  held_ += scalars;
+  if (held_ > kMaxHeldScalars)
+    throw UserError(place(i.line.line != 0 ? i.line : b_.line()),
+                    fmt::format("the shader handles more than {} numbers in arrays and structs", kMaxHeldScalars),
+                    "pass large tables in uniforms, and index them");
+}
+
+void Lowerer::define(const SpirvInstruction& i, Tuple v) {
+  hold(i, v.size());
+  values_[i.result] = std::move(v);
+}
 
 void Lowerer::instruction(const SpirvInstruction& i) {
   if (i.line.line != 0) b_.set_line(i.line);
+  spend(kStepsPerInstruction);
   switch (static_cast<spv::Op>(i.op)) {
     case spv::Op::OpVariable:
       declare(i);
@@ -127,6 +144,7 @@ void Lowerer::instruction(const SpirvInstruction& i) {
       store(i);
       return;
     case spv::Op::OpUndef:
+      hold(i, m_.scalar_count(i.type));
       define(i, Tuple(m_.scalar_count(i.type), num(0)));
       return;
     case spv::Op::OpCopyObject:

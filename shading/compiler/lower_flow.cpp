@@ -16,11 +16,17 @@ using vm::Opcode;
 
 namespace {
 
-constexpr int kMaxNesting = 120;
-
 spv::Op op_of(const SpirvInstruction& i) { return static_cast<spv::Op>(i.op); }
 
 }  // namespace
+
+// Repeated walks (unrolling, cases that fall through, questions about blocks) multiply; this bounds them all.
+void Lowerer::spend(std::size_t steps) const {
+  spent_ += steps;
+  if (spent_ > kMaxLoweringSteps)
+    throw UserError(place(b_.line()), "the shader takes too much work to compile",
+                    "unroll less: mark large loops [loop], or compile with rolled loops");
+}
 
 std::vector<SpvId> Lowerer::successors(const SpirvBlock& block) const {
   const SpirvInstruction& t = block.terminator();
@@ -50,6 +56,7 @@ std::unordered_set<SpvId> Lowerer::region(SpvId first, const std::vector<SpvId>&
       continue;
     for (SpvId next : successors(m_.block(label))) open.push_back(next);
   }
+  spend(seen.size());
   return seen;
 }
 
@@ -77,6 +84,7 @@ const Lowerer::Exit* Lowerer::find_exit(SpvId label) const {
 // True when every jump to `stop` on the way from `label` can be expressed by nesting.
 bool Lowerer::nestable(SpvId label, SpvId stop) const {
   for (int steps = 0; steps < 100000; ++steps) {
+    spend(1);
     if (label == stop || find_exit(label) != nullptr) return true;
     const SpirvBlock& block = m_.block(label);
     const SpirvInstruction* merge = block.merge();
@@ -217,8 +225,8 @@ bool Lowerer::walk(SpvId pred, SpvId label, SpvId stop, bool inside) {
     explicit Depth(int& depth) : d(depth) { ++d; }
     ~Depth() { --d; }
   } depth(walk_depth_);
-  if (walk_depth_ > kMaxNesting)
-    throw UserError(place(b_.line()), fmt::format("control flow is nested deeper than {}", kMaxNesting));
+  if (walk_depth_ > kMaxBlockNesting)
+    throw UserError(place(b_.line()), fmt::format("control flow is nested deeper than {}", kMaxBlockNesting));
 
   while (true) {
     if (label == stop && !inside) {
@@ -415,6 +423,8 @@ void Lowerer::selection(SpvId from, SpvId merge, SpvId stop, SpvId& next, bool& 
 // An if chain over the cases. A case that falls into the next simply continues there: its code appears twice.
 void Lowerer::switch_case(SpvId from, SpvId merge) {
   const SpirvInstruction& t = m_.block(from).terminator();
+  if (m_.type(m_.definition(t.operands[0])->type).kind != SpirvType::Kind::Int)
+    refuse(t, "a switch over this type", "switch over an int");
   const Ref selector = scalar(t.operands[0]);
   const SpvId default_label = t.operands[1];
   std::vector<std::pair<SpvId, std::vector<std::int64_t>>> cases;  // label, values
@@ -455,8 +465,8 @@ void Lowerer::switch_case(SpvId from, SpvId merge) {
       begin_if(hit[0]);
       falls = walk(from, label, merge) || falls;
       begin_else();
-      if (++open > kMaxNesting)
-        refuse(t, fmt::format("a switch with more than {} cases", kMaxNesting), "index a table instead");
+      if (++open > kMaxBlockNesting)
+        refuse(t, fmt::format("a switch with more than {} cases", kMaxBlockNesting), "index a table instead");
     }
     falls = walk(from, default_label, merge) || falls;
     for (; open > 0; --open) end_if();

@@ -247,6 +247,27 @@ bool Lowerer::glsl_transcendental(std::uint32_t op, const SpirvInstruction& i) {
         define(i, b_.divide(difference, sum));
       return true;
     }
+    case GLSLstd450Asinh: {  // odd: of |x|, so that nothing cancels
+      Lanes x = arg(0);
+      const Lanes negative = b_.op(Opcode::Sgt, num(0), x);
+      for (Ref& r : x) r = b_.value_of(r) ? num(std::fabs(*b_.value_of(r))) : absolute(r);
+      const Lanes root = b_.op(Opcode::Sqrt, b_.add(b_.mul(x, x), num(1)));
+      const Lanes result = b_.mul(b_.op(Opcode::Log, b_.add(x, root)), num(kLn2));
+      define(i, b_.choose(negative, negated(result), result));
+      return true;
+    }
+    case GLSLstd450Acosh: {
+      const Lanes x = arg(0);
+      const Lanes root = b_.op(Opcode::Sqrt, b_.add(b_.mul(x, x), num(-1)));
+      define(i, b_.mul(b_.op(Opcode::Log, b_.add(x, root)), num(kLn2)));
+      return true;
+    }
+    case GLSLstd450Atanh: {
+      const Lanes x = arg(0);
+      const Lanes ratio = b_.divide(b_.add(x, num(1)), b_.sub(num(1), x));
+      define(i, b_.mul(b_.op(Opcode::Log, ratio), num(kLn2 / 2)));
+      return true;
+    }
     default:
       return false;
   }

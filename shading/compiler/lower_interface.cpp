@@ -17,9 +17,6 @@ constexpr auto kArrayStride = static_cast<std::uint32_t>(spv::Decoration::ArrayS
 constexpr auto kMatrixStride = static_cast<std::uint32_t>(spv::Decoration::MatrixStride);
 constexpr auto kRowMajor = static_cast<std::uint32_t>(spv::Decoration::RowMajor);
 
-// Longest uniform file a shader may name; the consoles have 256 pixel and 512 vertex constants.
-constexpr int kMaxUniformRegisters = 16384;
-
 struct Semantic {
   std::string name;
   int index = 0;
@@ -113,8 +110,15 @@ void Lowerer::map_interface() {
   for (const SpirvInstruction& i : textures) map_sampler(i.result);
 }
 
+void Lowerer::check_interface_size(SpvId variable, SpvId type) const {
+  if (m_.scalar_count(type) > kMaxInterfaceScalars)
+    throw UserError(fmt::format("'{}' is larger than any file of inputs or outputs", m_.name(variable)),
+                    fmt::format("the limit is {} numbers", kMaxInterfaceScalars));
+}
+
 void Lowerer::map_input(SpvId variable) {
   const SpvId type = m_.type(m_.definition(variable)->type).element;
+  check_interface_size(variable, type);
   std::vector<InterfaceSlot> slots;
   const std::string first = semantic_of(variable, true);
   Semantic s = split_semantic(first);
@@ -127,8 +131,6 @@ void Lowerer::map_input(SpvId variable) {
         return;
       case SpirvType::Kind::Array:
       case SpirvType::Kind::Matrix:
-        if (ty.count > 64)
-          throw UserError(fmt::format("input '{}' is larger than any interpolator file", m_.name(variable)));
         for (std::uint32_t k = 0; k < ty.count; ++k) add(ty.element);
         return;
       default:
@@ -152,6 +154,7 @@ void Lowerer::map_input(SpvId variable) {
 
 void Lowerer::map_output(SpvId variable) {
   const SpvId type = m_.type(m_.definition(variable)->type).element;
+  check_interface_size(variable, type);
   std::vector<InterfaceSlot> slots;
   const std::uint8_t lane0 = static_cast<std::uint8_t>(m_.decorations(variable).get(kComponent).value_or(0));
   const auto add = [&](SpvId t, const std::string& semantic) {
@@ -192,28 +195,33 @@ void Lowerer::map_output(SpvId variable) {
 
 std::uint32_t Lowerer::bytes_of(SpvId type, std::uint32_t matrix_stride, bool row_major) const {
   const SpirvType& t = m_.type(type);
+  const auto at_most = [](std::uint64_t bytes) {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(bytes, 1u << 30));
+  };
+  spend(1);
   switch (t.kind) {
     case SpirvType::Kind::Vector:
       return 4 * t.count;
     case SpirvType::Kind::Matrix: {
-      const std::uint32_t rows = m_.type(t.element).count;
-      return row_major ? (rows - 1) * matrix_stride + 4 * t.count : (t.count - 1) * matrix_stride + 4 * rows;
+      const std::uint64_t rows = m_.type(t.element).count;
+      return at_most(row_major ? (rows - 1) * matrix_stride + 4 * t.count
+                               : (std::uint64_t{t.count} - 1) * matrix_stride + 4 * rows);
     }
     case SpirvType::Kind::Array: {
       const std::uint32_t stride = m_.decorations(type).get(kArrayStride).value_or(16);
       const std::uint64_t bytes =
           (std::max(t.count, 1u) - 1) * std::uint64_t{stride} + bytes_of(t.element, matrix_stride, row_major);
-      return static_cast<std::uint32_t>(std::min<std::uint64_t>(bytes, 1u << 30));
+      return at_most(bytes);
     }
     case SpirvType::Kind::Struct: {
-      std::uint32_t end = 0;
+      std::uint64_t end = 0;
       for (std::uint32_t k = 0; k < t.members.size(); ++k) {
         const Decorations& d = m_.member_decorations(type, k);
-        end = std::max(
-            end, d.get(kOffset).value_or(0) +
+        end = std::max<std::uint64_t>(
+            end, std::uint64_t{d.get(kOffset).value_or(0)} +
                      bytes_of(t.members[k], d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value()));
       }
-      return end;
+      return at_most(end);
     }
     default:
       return 4;
@@ -223,6 +231,9 @@ std::uint32_t Lowerer::bytes_of(SpvId type, std::uint32_t matrix_stride, bool ro
 void Lowerer::map_uniform_block(SpvId variable) {
   const SpvId type = m_.type(m_.definition(variable)->type).element;
   const SpirvType& block = m_.type(type);
+  if (block.scalars > 4 * static_cast<std::uint32_t>(kMaxUniformRegisters))
+    throw UserError(fmt::format("the uniform block '{}' holds {} numbers", m_.name(type), block.scalars),
+                    fmt::format("the limit is c{}", kMaxUniformRegisters - 1));
   int& next = out_.symbols.uniform_count;
   const int base = next;
 
@@ -242,6 +253,10 @@ void Lowerer::map_uniform_block(SpvId variable) {
         bytes_of(block.members[k], d.get(kMatrixStride).value_or(16), d.get(kRowMajor).has_value());
     const bool placed = offset % 16 == 0 && (offset > (packed_end + 15) / 16 * 16 || offset < packed_end);
     members.push_back({k, offset, bytes, placed, static_cast<int>((bytes + 15) / 16)});
+    if (offset + std::uint64_t{bytes} > 16 * std::uint64_t{kMaxUniformRegisters})
+      throw UserError(fmt::format("uniform '{}' needs registers up to c{}", m_.member_name(type, k),
+                                  (offset + std::uint64_t{bytes} - 1) / 16),
+                      fmt::format("the limit is c{}", kMaxUniformRegisters - 1));
     packed_end = offset + bytes;
   }
   std::vector<std::pair<int, int>> taken;  // [begin, end)

@@ -18,6 +18,7 @@ void Lowerer::open_join(SpvId label) {
   for (const SpirvInstruction& i : m_.block(label).code) {
     if (op_of(i) != spv::Op::OpPhi) break;
     const std::uint32_t scalars = m_.scalar_count(i.type);
+    hold(i, scalars);
     std::vector<NodeId> nodes;
     for (std::uint32_t first = 0; first < scalars; first += 4)
       nodes.push_back(b_.variable(static_cast<int>(std::min(4u, scalars - first))));

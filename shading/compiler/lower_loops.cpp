@@ -12,8 +12,6 @@ using vm::Opcode;
 
 namespace {
 
-constexpr int kMaxTrips = 65535;
-
 spv::Op op_of(const SpirvInstruction& i) { return static_cast<spv::Op>(i.op); }
 
 // Both sides as numbers; nothing when the operation is no comparison.
@@ -117,6 +115,7 @@ void Lowerer::pass_on_flags(const std::vector<SpvId>& opened) {
 // ---------------------------------------------------------------------------------------------------
 
 bool Lowerer::used_outside(const std::set<SpvId>& ids, const std::unordered_set<SpvId>& inside) const {
+  spend(m_.blocks().size());
   for (const SpirvBlock& block : m_.blocks()) {
     if (inside.contains(block.label)) continue;
     for (const SpirvInstruction& i : block.code)
@@ -209,6 +208,7 @@ std::optional<Lowerer::Counted> Lowerer::count_trips(SpvId pred, SpvId header, S
     if (!reads_counter(condition->operands[0]) && !reads_counter(condition->operands[1])) continue;
     int trips = at_head ? 0 : 1;
     for (; trips <= kMaxTrips; ++trips) {
+      spend(1);
       const double count = at_head ? trips : trips - 1;
       const auto x = side(condition->operands[0], count), y = side(condition->operands[1], count);
       if (!x || !y) return std::nullopt;

@@ -12,11 +12,6 @@ constexpr auto kArrayStride = static_cast<std::uint32_t>(spv::Decoration::ArrayS
 constexpr auto kMatrixStride = static_cast<std::uint32_t>(spv::Decoration::MatrixStride);
 constexpr auto kRowMajor = static_cast<std::uint32_t>(spv::Decoration::RowMajor);
 
-// Scalars one local variable may hold; more would not fit any register file either.
-constexpr std::uint32_t kMaxLocalScalars = 4096;
-// Elements an indexed local array may have when it is not constant: each costs an instruction per access.
-constexpr std::uint32_t kMaxIndexedElements = 64;
-
 bool is_uniform(std::uint32_t storage) {
   return storage == static_cast<std::uint32_t>(spv::StorageClass::Uniform) ||
          storage == static_cast<std::uint32_t>(spv::StorageClass::PushConstant);
@@ -27,8 +22,10 @@ bool is_uniform(std::uint32_t storage) {
 Pointer Lowerer::pointer(SpvId id) {
   if (auto it = pointers_.find(id); it != pointers_.end()) return it->second;
   const SpirvInstruction* d = m_.definition(id);
-  ALU_CHECK(d != nullptr && static_cast<spv::Op>(d->op) == spv::Op::OpVariable,
-            "pointer %{} has no definition", id);
+  if (d == nullptr || static_cast<spv::Op>(d->op) != spv::Op::OpVariable)
+    throw UserError(place(b_.line()),
+                    fmt::format("unsupported: a pointer made by {}", d != nullptr ? spirv_op_name(d->op) : "nothing"),
+                    "pointers lead to variables and their elements, nowhere else");
   const SpirvType& t = m_.type(d->type);
   Pointer p;
   p.variable = id;
@@ -56,6 +53,8 @@ void Lowerer::access_chain(const SpirvInstruction& i) {
   for (std::size_t k = 1; k < i.operands.size(); ++k) {
     const SpvId index_id = i.operands[k];
     const SpirvType& t = m_.type(p.type);
+    if (is_uniform(p.storage) && k == 1 && t.kind != SpirvType::Kind::Struct)
+      refuse(i, fmt::format("'{}', an array of uniform blocks", m_.name(p.variable)), "declare one block");
     const Ref index = scalar(index_id);
     const auto known = b_.value_of(index);
     if (known && t.kind != SpirvType::Kind::Struct && (*known < 0 || *known >= t.count))
@@ -87,6 +86,8 @@ void Lowerer::access_chain(const SpirvInstruction& i) {
       }
       if (known)
         p.byte += stride * at;
+      else if (stride == 0 || stride % 4 != 0)
+        refuse(i, fmt::format("an array stride of {} bytes", stride), "elements start every 4 bytes or more");
       else
         p.steps.push_back({index, stride, t.count});
     } else {
@@ -175,6 +176,9 @@ Ref Lowerer::uniform_scalar(const Pointer& p, std::uint32_t byte) {
 void Lowerer::load_uniform_into(Tuple& out, const Pointer& p, SpvId type, std::uint32_t byte,
                                 std::uint32_t matrix_stride, bool row_major, bool strided) {
   const SpirvType& t = m_.type(type);
+  if (t.scalars > kMaxLocalScalars)
+    throw UserError(place(b_.line()), "a whole array of uniforms is read at once and is too large",
+                    "index it instead");
   switch (t.kind) {
     case SpirvType::Kind::Vector:
       for (std::uint32_t k = 0; k < t.count; ++k)
@@ -187,8 +191,6 @@ void Lowerer::load_uniform_into(Tuple& out, const Pointer& p, SpvId type, std::u
       break;
     case SpirvType::Kind::Array: {
       const std::uint32_t stride = m_.decorations(type).get(kArrayStride).value_or(16);
-      if (t.count > kMaxLocalScalars)
-        throw UserError("a whole array of uniforms is read at once and is too large", "index it instead");
       for (std::uint32_t k = 0; k < t.count; ++k)
         load_uniform_into(out, p, t.element, byte + k * stride, matrix_stride, row_major, false);
       break;
@@ -221,9 +223,14 @@ Tuple Lowerer::load_uniform(const Pointer& p) {
     }
     return out;
   }
+  spend(kStepsPerInstruction);
   // An index inside a register (v[i], m[i][j]) picks among components; the others address registers.
   for (std::size_t k = 0; k < p.steps.size(); ++k)
     if (p.steps[k].stride % 16 != 0) {
+      if (p.steps[k].count > kMaxIndexedElements)
+        throw UserError(place(b_.line()),
+                        fmt::format("indexing {} uniforms that are not registers of their own", p.steps[k].count),
+                        "make them float4, or pad their stride to 16 bytes");
       Tuple picked;
       for (std::uint32_t e = p.steps[k].count; e-- > 0;) {
         Pointer q = p;
@@ -244,7 +251,11 @@ Tuple Lowerer::load_uniform(const Pointer& p) {
 }
 
 Tuple Lowerer::load_input(const Pointer& p) {
-  const auto& slots = inputs_.at(p.variable);
+  const auto mapped = inputs_.find(p.variable);
+  if (mapped == inputs_.end())
+    throw UserError(place(b_.line()), fmt::format("input '{}' is not part of the entry point's interface",
+                                                  m_.name(p.variable)));
+  const auto& slots = mapped->second;
   Tuple all;
   const bool facing = m_.decorations(p.variable).get(static_cast<std::uint32_t>(spv::Decoration::BuiltIn)) ==
                       static_cast<std::uint32_t>(spv::BuiltIn::FrontFacing);
@@ -311,6 +322,7 @@ Tuple Lowerer::read_variable(SpvId variable) {
 Tuple Lowerer::load_local(const Pointer& p) {
   const Tuple all = read_variable(p.variable);
   const std::uint32_t width = m_.scalar_count(p.type);
+  spend(kStepsPerInstruction);
   if (p.steps.empty()) return Tuple(all.begin() + p.scalar, all.begin() + p.scalar + width);
   if (auto table = load_table(p, all)) return *table;
   // Not constant: choose among the elements, innermost index first.
@@ -435,15 +447,18 @@ void Lowerer::keep_in_registers(const std::unordered_set<SpvId>& blocks, std::ve
       if (static_cast<spv::Op>(i.op) == spv::Op::OpStore) {
         SpvId p = i.operands[0];
         for (const SpirvInstruction* d = m_.definition(p);
-             d != nullptr && static_cast<spv::Op>(d->op) != spv::Op::OpVariable; d = m_.definition(p))
+             d != nullptr && static_cast<spv::Op>(d->op) != spv::Op::OpVariable; d = m_.definition(p)) {
+          if (d->operands.empty()) break;
           p = d->operands[0];
-        stored.insert(p);
+        }
+        stored.insert(pointer(p).variable);
       }
   for (SpvId variable : stored) {
     if (registers_.contains(variable)) continue;
     const SpirvInstruction* d = m_.definition(variable);
     if (!memory_.contains(variable)) declare(*d);
     const Tuple current = memory_.at(variable);
+    hold(*d, current.size());
     std::vector<NodeId> nodes;
     for (std::size_t first = 0; first < current.size(); first += 4)
       nodes.push_back(b_.variable(static_cast<int>(std::min<std::size_t>(4, current.size() - first))));
@@ -477,6 +492,9 @@ void Lowerer::write_outputs() {
                         "outputs are POSITION, interpolants, colours and DEPTH");
       auto& [lanes, to] = by_register[slots[k].reg];
       to[lanes.size] = slots[k].lane;
+      if (lanes.size == 4)
+        throw UserError(fmt::format("output '{}' puts more than four numbers into one register", m_.name(variable)),
+                        "give each member a location of its own");
       lanes.push(all[k]);
     }
     for (auto& [reg, entry] : by_register)

@@ -34,13 +34,17 @@ ImageOperands read_operands(std::span<const std::uint32_t> words) {
 
 }  // namespace
 
+void Lowerer::refuse_image(const SpirvInstruction& i) const {
+  refuse(i, "a texture that is chosen at run time", "name the texture where it is sampled");
+}
+
 bool Lowerer::texture(const SpirvInstruction& i) {
   bool projected = false, compared = false;
   switch (static_cast<spv::Op>(i.op)) {
     case spv::Op::OpSampledImage:
     case spv::Op::OpImage: {
       auto image = images_.find(i.operands[0]);
-      ALU_CHECK(image != images_.end(), "image %{} was not loaded", i.operands[0]);
+      if (image == images_.end()) refuse_image(i);
       images_[i.result] = image->second;
       return true;
     }
@@ -73,7 +77,7 @@ bool Lowerer::texture(const SpirvInstruction& i) {
       return false;
   }
   auto image = images_.find(i.operands[0]);
-  ALU_CHECK(image != images_.end(), "image %{} was not loaded", i.operands[0]);
+  if (image == images_.end()) refuse_image(i);
   auto sampler = samplers_.find(image->second);
   if (sampler == samplers_.end())
     refuse(i, fmt::format("the kind of texture of '{}'", m_.name(image->second)),

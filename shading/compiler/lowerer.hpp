@@ -8,6 +8,7 @@
 
 #include "platform/host/error.hpp"
 #include "shading/compiler/builder.hpp"
+#include "shading/compiler/limits.hpp"
 #include "shading/compiler/lower.hpp"
 
 #include <functional>
@@ -75,6 +76,7 @@ class Lowerer {
 
   // interface
   void map_interface();
+  void check_interface_size(SpvId variable, SpvId type) const;
   void map_input(SpvId variable);
   void map_output(SpvId variable);
   void map_uniform_block(SpvId variable);
@@ -85,6 +87,7 @@ class Lowerer {
   std::string semantic_of(SpvId variable, bool input) const;
 
   // flow
+  void spend(std::size_t steps) const;
   bool walk(SpvId pred, SpvId label, SpvId stop, bool inside = false);
   void selection(SpvId from, SpvId merge, SpvId stop, SpvId& next, bool& done, bool& falls);
   void switch_case(SpvId from, SpvId merge);
@@ -154,6 +157,7 @@ class Lowerer {
   bool composite(const SpirvInstruction& i);
   bool matrix(const SpirvInstruction& i);
   bool texture(const SpirvInstruction& i);
+  [[noreturn]] void refuse_image(const SpirvInstruction& i) const;
   void glsl_std(const SpirvInstruction& i);
   bool glsl_geometric(std::uint32_t op, const SpirvInstruction& i);
   bool glsl_transcendental(std::uint32_t op, const SpirvInstruction& i);
@@ -163,6 +167,7 @@ class Lowerer {
   Lanes vec(SpvId id);
   Ref scalar(SpvId id) { return value(id).at(0); }
   void define(const SpirvInstruction& i, Tuple v);
+  void hold(const SpirvInstruction& i, std::size_t scalars);
   void define(const SpirvInstruction& i, const Lanes& v) { define(i, Tuple(v.begin(), v.end())); }
   std::vector<Lanes> columns(SpvId id);
   Tuple constant(SpvId id, const SpirvInstruction& definition);
@@ -209,6 +214,8 @@ class Lowerer {
   int machine_depth_ = 0;
   std::uint32_t next_loop_id_ = 1;
   int walk_depth_ = 0;
+  mutable std::size_t spent_ = 0;  // steps of kMaxLoweringSteps
+  std::size_t held_ = 0;           // numbers of kMaxHeldScalars
   std::vector<Counted> counters_;  // by loop id - 1
 };
 

@@ -1,75 +1,57 @@
 #include "shading/compiler/source_scan.hpp"
 
 #include "platform/host/error.hpp"
-#include "shading/compiler/front_end.hpp"
+#include "shading/compiler/limits.hpp"
+#include "shading/compiler/source_tokens.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <string_view>
+#include <vector>
 
 namespace aluminate::compiler {
 namespace {
 
-struct Token {
-  std::string_view text;
-  int line = 0, column = 0;
-};
-
-// Words, numbers and single characters outside comments and strings.
-class Tokens {
+// How many statements are open around a token: what a parser's recursion depth is made of. An if or loop lasts to the
+// end of the statement it governs; an else takes up the if before it.
+class StatementDepth {
  public:
-  explicit Tokens(const std::string& text) : text_(text) {}
-
-  bool next(Token& token) {
-    while (at_ < text_.size()) {
-      const char c = text_[at_];
-      if (c == '\n') {
-        step(1);
-      } else if (std::isspace(static_cast<unsigned char>(c)) != 0) {
-        step(1);
-      } else if (text_.compare(at_, 2, "//") == 0) {
-        while (at_ < text_.size() && text_[at_] != '\n') step(1);
-      } else if (text_.compare(at_, 2, "/*") == 0) {
-        const auto end = text_.find("*/", at_ + 2);
-        step(end == std::string::npos ? text_.size() - at_ : end + 2 - at_);
-      } else if (c == '"') {
-        std::size_t end = at_ + 1;
-        while (end < text_.size() && text_[end] != '"' && text_[end] != '\n') ++end;
-        step(std::min(end + 1, text_.size()) - at_);
-      } else {
-        std::size_t size = 1;
-        const auto word = [](char ch) {
-          return std::isalnum(static_cast<unsigned char>(ch)) != 0 || ch == '_';
-        };
-        if (word(c))
-          while (at_ + size < text_.size() && word(text_[at_ + size])) ++size;
-        token = {std::string_view(text_).substr(at_, size), line_, column_};
-        step(size);
-        return true;
-      }
+  int next(std::string_view t) {
+    if (t == "(") ++round_;
+    if (t == ")") round_ = std::max(round_ - 1, 0);
+    if (t == "else") {  // the one it follows has just ended
+      total_ += ended_ - open_.back();
+      open_.back() = ended_;
     }
-    return false;
+    if (t == "if" || t == "else" || t == "for" || t == "while" || t == "do" || t == "switch") add(1);
+    if (t == "{") {
+      open_.push_back(0);
+      round_ = 0;
+    }
+    if (t == "}") {
+      total_ -= open_.back();
+      if (open_.size() > 1) open_.pop_back();
+      else open_.back() = 0;
+      end();
+    }
+    if (t == ";" && round_ == 0) end();
+    return total_;
   }
 
  private:
-  void step(std::size_t n) {
-    for (; n > 0 && at_ < text_.size(); --n, ++at_) {
-      ++column_;
-      if (text_[at_] == '\n') {
-        ++line_;
-        column_ = 1;
-      }
-    }
+  void add(int n) {
+    open_.back() += n;
+    total_ += n;
   }
-  const std::string& text_;
-  std::size_t at_ = 0;
-  int line_ = 1, column_ = 1;
+  void end() {
+    ended_ = open_.back();
+    total_ -= ended_;
+    open_.back() = 0;
+  }
+  std::vector<int> open_{0};  // by block
+  int total_ = 0, ended_ = 0, round_ = 0;
 };
-
-bool is_word(std::string_view t) {
-  return !t.empty() && (std::isalpha(static_cast<unsigned char>(t[0])) != 0 || t[0] == '_');
-}
 
 }  // namespace
 
@@ -86,7 +68,8 @@ void scan_source(const std::string& text, const std::string& file) {
         "the source contains a zero byte", "is this a binary file? SPIR-V modules end in .spv");
   Tokens tokens(text);
   Token t;
-  int depth = 0, prefix = 0, operators = 0, nested = 0;
+  int depth = 0, prefix = 0, operators = 0;
+  StatementDepth statements;
   while (tokens.next(t)) {
     const SourcePlace here{file, t.line, t.column};
     const char c = t.text[0];
@@ -98,14 +81,13 @@ void scan_source(const std::string& text, const std::string& file) {
     prefix = is_operator ? prefix + 1 : 0;
     if (prefix > kMaxBracketDepth)
       throw UserError(here, fmt::format("more than {} operators in a row", kMaxBracketDepth));
-    // Parsers recurse on long expressions and on statements without braces; both end at ; or }.
+    if (statements.next(t.text) > kMaxStatementDepth)
+      throw UserError(here, fmt::format("statements nested deeper than {}", kMaxStatementDepth),
+                      "an 'else if' lies inside the 'else' before it");
+    // Parsers recurse on long expressions.
     if (is_operator) ++operators;
-    if (t.text == "if" || t.text == "else" || t.text == "for" || t.text == "while" || t.text == "do")
-      ++nested;
     if (c == ';' || c == '{' || c == '}') operators = 0;
-    if (c == '}' || (c == ';' && depth == 0)) nested = std::max(nested - 4, 0);
     if (operators > 20000) throw UserError(here, "an expression with more than 20000 operators");
-    if (nested > 4000) throw UserError(here, "statements nested too deeply");
   }
 }
 

@@ -215,6 +215,7 @@ void SpirvModule::add_type(const SpirvInstruction& i) {
     default:
       return;
   }
+  t.scalars = scalars_of(t);
   types_[i.result] = std::move(t);
 }
 
@@ -240,25 +241,33 @@ void SpirvModule::add_decoration(const SpirvInstruction& i) {
   }
 }
 
-std::uint32_t SpirvModule::scalar_count(std::uint32_t type_id) const {
-  const SpirvType& t = type(type_id);
+const SpirvType& SpirvModule::type(std::uint32_t id) const {
+  static const SpirvType other;
+  const auto it = types_.find(id);
+  return it == types_.end() ? other : it->second;
+}
+
+// Counted once, when the type is declared: types nest in each other, so counting on demand could take
+// exponential time.
+std::uint32_t SpirvModule::scalars_of(const SpirvType& t) const {
+  std::uint64_t n = 1;
   switch (t.kind) {
     case SpirvType::Kind::Vector:
     case SpirvType::Kind::Matrix:
-    case SpirvType::Kind::Array: {
-      const std::uint64_t n = std::uint64_t{t.count} * scalar_count(t.element);
-      return static_cast<std::uint32_t>(std::min<std::uint64_t>(n, 1u << 30));
-    }
-    case SpirvType::Kind::Struct: {
-      std::uint64_t n = 0;
-      for (std::uint32_t m : t.members) n += scalar_count(m);
-      return static_cast<std::uint32_t>(std::min<std::uint64_t>(n, 1u << 30));
-    }
+    case SpirvType::Kind::Array:
+      n = std::uint64_t{t.count} * scalar_count(t.element);
+      break;
+    case SpirvType::Kind::Struct:
+      n = 0;
+      for (const std::uint32_t m : t.members) n += scalar_count(m);  // < 2^16 members of at most 2^30 each
+      break;
     case SpirvType::Kind::Void:
-      return 0;
+      n = 0;
+      break;
     default:
-      return 1;
+      break;
   }
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(n, kManyScalars));
 }
 
 std::uint32_t SpirvModule::scalar_offset(std::uint32_t type_id, std::uint32_t i) const {

@@ -52,6 +52,7 @@ struct SpirvType {
   std::vector<std::uint32_t> members;  // struct
   std::uint32_t storage = 0;           // pointer
   std::uint32_t dimension = 0;         // image: spv::Dim
+  std::uint32_t scalars = 1;           // in a value of the type, at most kManyScalars
   bool arrayed = false, depth = false, multisampled = false;
 };
 
@@ -69,9 +70,11 @@ class SpirvModule {
   /// Throws UserError when the entry point does not exist or is not of the stage.
   SpirvModule(std::vector<std::uint32_t> words, const std::string& entry, vm::Stage stage);
 
-  const SpirvType& type(std::uint32_t id) const { return types_.at(id); }
-  /// Scalars in a value of the type, in memory order.
-  std::uint32_t scalar_count(std::uint32_t type_id) const;
+  /// Kind::Other for what is no type of a value.
+  const SpirvType& type(std::uint32_t id) const;
+  /// Scalars in a value of the type, in memory order; kManyScalars stands for that many and more.
+  std::uint32_t scalar_count(std::uint32_t type_id) const { return type(type_id).scalars; }
+  static constexpr std::uint32_t kManyScalars = 1u << 30;
   /// Index of the first scalar of member or element i.
   std::uint32_t scalar_offset(std::uint32_t type_id, std::uint32_t i) const;
   std::uint32_t member_type(std::uint32_t type_id, std::uint32_t i) const;
@@ -99,6 +102,7 @@ class SpirvModule {
  private:
   void decode(const std::string& entry, vm::Stage stage);
   void add_type(const SpirvInstruction& i);
+  std::uint32_t scalars_of(const SpirvType& t) const;
   void add_decoration(const SpirvInstruction& i);
 
   std::vector<std::uint32_t> words_;

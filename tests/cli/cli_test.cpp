@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -277,6 +278,13 @@ TEST_F(Cli, EveryCommandExplainsItself) {
   }
   EXPECT_EQ(run_program({"--version"}).code, 0);
   EXPECT_EQ(run_program({}).code, 2);
+}
+
+TEST_F(Cli, ShadersBeyondALimitAreErrorsThatNameIt) {
+  std::string doubling = "#define A0 v+v\n";
+  for (int i = 1; i < 40; ++i) doubling += fmt::format("#define A{} A{}+A{}\n", i, i - 1, i - 1);
+  write("doubling.hlsl", doubling + "float4 main(float4 v : TEXCOORD0) : COLOR0 { return A39; }\n");
+  expect_user_error({"cost", path("doubling.hlsl")}, "macros expanded");
 }
 
 }  // namespace

@@ -65,6 +65,64 @@ TEST(HostileText, EndsInAnErrorMessage) {
   }
 }
 
+std::string refusal(const std::string& text) {
+  try {
+    compile(options_for(text));
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(HostileText, LimitsAreNamedBeforeTheyAreFelt) {
+  const std::string in = "float4 main(float4 v : TEXCOORD0) : COLOR0 { ", out = " return v; }";
+  const auto many = [](int n, const std::function<std::string(int)>& f) {
+    std::string s;
+    for (int i = 0; i < n; ++i) s += f(i);
+    return s;
+  };
+  const auto number = [](int i) { return std::to_string(i); };
+  const std::pair<std::string, std::string> cases[] = {
+      {"#define A0 v+v\n" + many(29, [&](int i) { return "#define A" + number(i + 1) + " A" + number(i) + "+A" + number(i) + "\n"; }) +
+           in + "v = A29;" + out,
+       "words and signs with its macros expanded"},
+      {"#define F(x) ((x) + (x) + (x))\n" + in + "v = " + repeated("F(", 20) + "v" + repeated(")", 20) + ";" + out,
+       "words and signs with its macros expanded"},
+      {"float4 f0(float4 x) { return x * x; }\n" +
+           many(24, [&](int i) { return "float4 f" + number(i + 1) + "(float4 x) { return f" + number(i) + "(x) + f" + number(i) + "(x * 2); }\n"; }) +
+           in + "v = f24(v);" + out,
+       "calls inlined"},
+      {in + many(401, [&](int i) { return "if (v.x > " + number(i) + ") v = v.yzwx + 1;\n"; }) + out,
+       "ifs, switches and loops"},
+      {in + many(131, [&](int i) { return "if (v.x > " + number(i) + ") "; }) + "v = 0;" + out, "test.hlsl:1:"},
+      {in + many(64, [&](int i) { return "[branch] if (v.x > " + number(i) + ") { v.y = v.y * v.z + " + number(i) + ";\n"; }) + repeated("}", 64) + out,
+       "test.hlsl:64: ifs and loops are nested deeper than 63"},
+      {in + "\n[loop] for (int i = 0; i < 60000; i++)\n [loop] for (int j = 0; j < 60000; j++) v = v * v + 1;" + out,
+       "one pixel would run more than"},
+      {in + "float r = 0; [unroll] for (int i = 0; i < 60000; i++) [unroll] for (int j = 0; j < 60000; j++) r += v.x * 0;\n"
+            "v *= r;" + out,
+       "too much work to compile"},
+      {"struct S0 { float4 a[8]; };\n" +
+           many(11, [&](int i) { return "struct S" + number(i + 1) + " { S" + number(i) + " a, b, c, d; };\n"; }) + "S11 u;\n" + in +
+           "v = u" + repeated(".a", 12) + "[0];" + out,
+       "a type of"},
+  };
+  for (const auto& [text, what] : cases) {
+    const std::string is = refusal(text);
+    EXPECT_NE(is.find(what), std::string::npos) << is.substr(0, 300) << "\n" << text.substr(0, 200);
+  }
+}
+
+TEST(HostileText, WhatLooksDeepButIsNotCompiles) {
+  const std::string in = "float4 main(float4 v : TEXCOORD0) : COLOR0 { ", out = " return v; }";
+  std::string ifs, chain, macros = "#define SQR(x) ((x) * (x))\n#define NAME float4\n";
+  for (int i = 0; i < 150; ++i) ifs += "if (v.x > " + std::to_string(i) + ") { v = v.yzwx + 1; } else v.x += 2;\n";
+  for (int i = 0; i < 50; ++i) chain += "if (v.x > " + std::to_string(i) + ") v.y += 1; else ";
+  EXPECT_EQ(refusal(in + ifs + out), "accepted");
+  EXPECT_EQ(refusal(in + chain + "v.z = 1;" + out), "accepted");
+  EXPECT_EQ(refusal(macros + in + "v = SQR(SQR(SQR(v))) + NAME(1, 2, 3, 4);" + out), "accepted");
+}
+
 TEST(HostileText, DamagedSourceNeverCrashes) {
   Options o;
   const std::string good =
