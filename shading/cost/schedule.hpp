@@ -1,9 +1,9 @@
-// List scheduling for the "vec4+scalar" machine, and what no schedule of the block can beat. A block's graph
-// comes in, the order of its issue words and fetches comes out. Bottom-up like the period compiler: work is
-// placed as late as its readers allow, which also keeps registers few. No register is assigned here
-// (xenos_registers).
+// Scheduling for the "vec4+scalar" machine: a block's graph comes in, the order of its issue words and
+// fetches comes out. Bottom-up like the period compiler: work is placed as late as its readers allow, which
+// also keeps registers few. No register is assigned here (xenos_registers).
 #pragma once
 
+#include "shading/cost/slot_choice.hpp"
 #include "shading/cost/static_cost.hpp"
 #include "shading/cost/xenos_graph.hpp"
 
@@ -29,16 +29,12 @@ struct BlockSchedule {
   int bound_words = 0;
 };
 
-/// Operand of a two-slot scalar operation that the movs carries: the one known earlier.
-int carried_operand(const Graph& graph, const Node& node);
+/// Plain: quick, to choose between graphs of one block; its bound is 0. Full: shorter where the bound leaves
+/// room.
+enum class Effort : std::uint8_t { Plain, Full };
 
-/// No schedule is shorter: the chain of dependencies, and for every window between a head and a tail of that
-/// chain the words its operations fill: three-operand operations alone under the strict rule, plus the most
-/// of vector-only, scalar-only and half of all.
-int lower_bound_words(const Graph& graph, PairingRule pairing);
-
-/// Tries several priorities and keeps the shortest; ties go to the first. Deterministic.
-BlockSchedule schedule_block(const Graph& graph, PairingRule pairing);
+/// The bound is that of schedule_bound.hpp. Deterministic.
+BlockSchedule schedule_block(const Graph& graph, PairingRule pairing, Effort effort);
 
 inline constexpr int kClauseIssues = 6;
 

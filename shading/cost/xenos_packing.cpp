@@ -20,11 +20,6 @@ bool packable(Opcode op) {
          op == Opcode::Sge || op == Opcode::Sgt;
 }
 
-int words_of(const Node& node) {
-  const bool issues = !node.is_fetch();
-  return issues ? 1 : 0;
-}
-
 /// Nodes in an order where producers come first; shorter than the graph when it has a cycle.
 std::vector<int> topological_order(const Graph& graph) {
   std::vector<std::vector<int>> readers(graph.nodes.size());
@@ -131,7 +126,11 @@ bool fits_scalar_half(const Graph& graph, const Node& node) {
   return signs && place_of(graph, a) == place_of(graph, b);
 }
 
-ChainLengths chain_lengths(const Graph& graph) {
+ChainLengths chain_lengths(const Graph& graph, const std::vector<bool>* member) {
+  const auto words_of = [&](int n) {
+    const auto at = static_cast<std::size_t>(n);
+    return !graph.nodes[at].is_fetch() && (member == nullptr || (*member)[at]) ? 1 : 0;
+  };
   ChainLengths lengths;
   lengths.depth.assign(graph.nodes.size(), 0);
   lengths.height.assign(graph.nodes.size(), 0);
@@ -141,13 +140,13 @@ ChainLengths chain_lengths(const Graph& graph) {
     int before = 0;
     for_each_dependency(
         node, [&](int from) { before = std::max(before, lengths.depth[static_cast<std::size_t>(from)]); });
-    lengths.depth[static_cast<std::size_t>(n)] = before + words_of(node);
-    lengths.longest = std::max(lengths.longest, before + words_of(node));
+    lengths.depth[static_cast<std::size_t>(n)] = before + words_of(n);
+    lengths.longest = std::max(lengths.longest, before + words_of(n));
   }
   for (auto it = order.rbegin(); it != order.rend(); ++it) {
     const Node& node = graph.nodes[static_cast<std::size_t>(*it)];
     int& own = lengths.height[static_cast<std::size_t>(*it)];
-    own += words_of(node);
+    own += words_of(*it);
     for_each_dependency(node, [&](int from) {
       lengths.height[static_cast<std::size_t>(from)] =
           std::max(lengths.height[static_cast<std::size_t>(from)], own);
@@ -173,7 +172,9 @@ int home_writer_on_cycle(const Graph& graph) {
 }
 
 void pack_lanes(Graph& graph, Packing packing) {
-  ChainLengths lengths = chain_lengths(graph);
+  const bool watch_chains = packing == Packing::OffCriticalPath;
+  ChainLengths lengths;
+  if (watch_chains) lengths = chain_lengths(graph);
   const int longest = lengths.longest;
   for (std::size_t guest = 0; guest < graph.nodes.size(); ++guest) {
     if (!takes_lane(graph, graph.nodes[guest])) continue;
@@ -183,9 +184,10 @@ void pack_lanes(Graph& graph, Packing packing) {
       if (host == guest || !takes_lane(graph, a) || a.op != b.op || a.saturate != b.saturate ||
           a.width < b.width || a.width + b.width > 4)
         continue;
-      const int chain = std::max(lengths.depth[host], lengths.depth[guest]) +
-                        std::max(lengths.height[host], lengths.height[guest]) - 1;
-      if (packing == Packing::OffCriticalPath && chain > longest) continue;
+      if (watch_chains && std::max(lengths.depth[host], lengths.depth[guest]) +
+                                  std::max(lengths.height[host], lengths.height[guest]) - 1 >
+                              longest)
+        continue;
       if (depends_on(graph, static_cast<int>(host), static_cast<int>(guest)) ||
           depends_on(graph, static_cast<int>(guest), static_cast<int>(host)))
         continue;
@@ -205,7 +207,7 @@ void pack_lanes(Graph& graph, Packing packing) {
           }
         }
       }
-      lengths = chain_lengths(graph);
+      if (watch_chains) lengths = chain_lengths(graph);
       break;
     }
   }

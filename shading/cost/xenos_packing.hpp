@@ -17,7 +17,8 @@ struct ChainLengths {
   std::vector<int> depth, height;
   int longest = 0;
 };
-ChainLengths chain_lengths(const Graph& graph);
+/// member: parallel to the nodes; others count nothing. null: all count.
+ChainLengths chain_lengths(const Graph& graph, const std::vector<bool>* member = nullptr);
 
 /// A node that writes a Home and lies on a cycle of dependencies and write-after-read orders; -1 when there
 /// is no cycle.
