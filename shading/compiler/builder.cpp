@@ -130,33 +130,50 @@ Lanes Builder::numbered(Node node) {
   return result;
 }
 
-std::optional<Lanes> Builder::identity(Opcode opcode, const Lanes& a, const Lanes& b, const Lanes& c) const {
+std::optional<Builder::Passed> Builder::passed_lane(Opcode opcode, Ref a, Ref b, Ref c) const {
   switch (opcode) {
-    case Opcode::Mov:
-      return a;
     case Opcode::Add:
-      if (all_constant(b, 0)) return a;
-      if (all_constant(a, 0)) return b;
+      if (is_constant(b, 0)) return Passed{a, 1};
+      if (is_constant(a, 0)) return Passed{b, 0};
       break;
     case Opcode::Mul:
-      if (all_constant(b, 1)) return a;
-      if (all_constant(a, 1)) return b;
-      if (all_constant(b, -1)) return negated(a);
-      if (all_constant(a, -1)) return negated(b);
+      if (is_constant(b, 1)) return Passed{a, 1};
+      if (is_constant(a, 1)) return Passed{b, 0};
+      if (is_constant(b, -1)) return Passed{-a, 1};
+      if (is_constant(a, -1)) return Passed{-b, 0};
+      break;
+    case Opcode::Mad:
+      if (is_constant(b, 0)) return Passed{c, 1};
+      if (is_constant(a, 0)) return Passed{c, 0};
       break;
     case Opcode::Min:
     case Opcode::Max:
-      if (a == b) return a;
+      if (a == b) return Passed{a, -1};
       break;
     case Opcode::CndGe:
     case Opcode::CndGt:
     case Opcode::CndEq:
-      if (b == c) return b;
+      if (b == c) return Passed{b, -1};
       break;
     default:
       break;
   }
   return std::nullopt;
+}
+
+bool Builder::takes_literals(Opcode opcode, const Lanes& operand, std::span<const int> lanes) const {
+  const auto literal = [&](Ref r) { return value_of(r).has_value(); };
+  if (std::all_of(lanes.begin(), lanes.end(), [&](int i) { return literal(operand[i]); })) return true;
+  // A product by literals may yet become a multiply-add with the sum, which can multiply by one 0 more.
+  const Node& first = node(operand[lanes[0]]);
+  if (opcode != Opcode::Add || !is_instruction(first) || first.op != Opcode::Mul ||
+      first.sink != Sink::Value || first.saturate)
+    return false;
+  const bool one = std::all_of(lanes.begin(), lanes.end(), [&](int i) {
+    return operand[i].node == operand[lanes[0]].node && !operand[i].absolute;
+  });
+  return one && (std::all_of(first.src[0].begin(), first.src[0].end(), literal) ||
+                 std::all_of(first.src[1].begin(), first.src[1].end(), literal));
 }
 
 Ref Builder::scalar(Opcode opcode, Ref a) {
@@ -199,13 +216,13 @@ Lanes Builder::op(Opcode opcode, Lanes a, Lanes b, Lanes c, bool saturated) {
   if (sources > 1 && b.size == 1) b = splat(b[0], width);
   if (sources > 2 && c.size == 1) c = splat(c[0], width);
 
-  if (!saturated)
-    if (auto same = identity(opcode, a, b, c)) return *same;
+  if (opcode == Opcode::Mov && !saturated) return a;
 
   // Lanes whose result is known leave the instruction.
   Lanes result;
   std::array<int, 4> computed{};
-  int live = 0;
+  std::array<std::optional<Passed>, 4> passed{};
+  int live = 0, passing = 0;
   for (int i = 0; i < width; ++i) {
     const auto x = value_of(a[i]), y = sources > 1 ? value_of(b[i]) : 0.0,
                z = sources > 2 ? value_of(c[i]) : 0.0;
@@ -220,9 +237,36 @@ Lanes Builder::op(Opcode opcode, Lanes a, Lanes b, Lanes c, bool saturated) {
       const bool first = opcode == Opcode::CndGe ? *x >= 0 : opcode == Opcode::CndGt ? *x > 0 : *x == 0;
       result.push(first ? b[i] : c[i]);
     } else {
+      if (!saturated) passed[static_cast<std::size_t>(i)] = passed_lane(opcode, a[i], b[i], c[i]);
+      passing += passed[static_cast<std::size_t>(i)].has_value();
       computed[static_cast<std::size_t>(live++)] = i;
       result.push({});
     }
+  }
+  // So do lanes that only hand an operand on, when nothing else is left; or when their 0 or 1 would have to
+  // be brought into one register with values. Beside literals it costs nothing, and the vector stays whole.
+  if (passing > 0) {
+    std::array<int, 4> rest{};
+    int others = 0;
+    for (int k = 0; k < live; ++k) {
+      const int i = computed[static_cast<std::size_t>(k)];
+      if (!passed[static_cast<std::size_t>(i)]) rest[static_cast<std::size_t>(others++)] = i;
+    }
+    const std::span<const int> real(rest.data(), static_cast<std::size_t>(others));
+    int kept = 0;
+    for (int k = 0; k < live; ++k) {
+      const int i = computed[static_cast<std::size_t>(k)];
+      const std::optional<Passed>& lane = passed[static_cast<std::size_t>(i)];
+      const bool stays =
+          !lane ||
+          (others > 0 && (lane->neutral < 0 || takes_literals(opcode, lane->neutral == 0 ? a : b, real)));
+      if (stays) {
+        computed[static_cast<std::size_t>(kept++)] = i;
+      } else {
+        result[i] = lane->value;
+      }
+    }
+    live = kept;
   }
   if (live == 0) return result;
   bool negate = false;

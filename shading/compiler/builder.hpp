@@ -7,6 +7,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 
 namespace aluminate::compiler {
 
@@ -66,7 +67,14 @@ class Builder {
 
   NodeId append(Node node);
   Lanes numbered(Node node);
-  std::optional<Lanes> identity(vm::Opcode opcode, const Lanes& a, const Lanes& b, const Lanes& c) const;
+  /// A lane whose result is one of its operands: x + 0, x * 1.
+  struct Passed {
+    Ref value{};
+    int neutral = -1;  // operand that holds the 0 or 1; -1: none does
+  };
+  std::optional<Passed> passed_lane(vm::Opcode opcode, Ref a, Ref b, Ref c) const;
+  /// A 0 or 1 costs nothing in this operand, of which `lanes` (at least one) are other numbers or values.
+  bool takes_literals(vm::Opcode opcode, const Lanes& operand, std::span<const int> lanes) const;
   Ref scalar(vm::Opcode opcode, Ref a);
   Key key_of(const Node& node) const;
   void check_size() const;

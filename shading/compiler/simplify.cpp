@@ -21,6 +21,8 @@ class Simplifier {
     while (pass(&Simplifier::collect_constants)) remove_dead();
     pass(&Simplifier::fuse_sum);
     remove_dead();
+    pass(&Simplifier::release_zeros);
+    remove_dead();
     while (pass(&Simplifier::fuse_saturate)) remove_dead();
     remove_dead();
   }
@@ -192,29 +194,72 @@ class Simplifier {
     return false;
   }
 
+  // Components that are 0 left their product when it was built; in the sum they are 0 times whatever the
+  // others multiply, as long as the 0 can stand among literals.
+  std::optional<NodeId> sole_product_or_zero(const Lanes& v) const {
+    Lanes products;
+    for (Ref r : v)
+      if (number(r) != 0.0) products.push(r);
+    if (products.size == 0) return std::nullopt;
+    const auto from = sole_producer(products);
+    if (!from || products.size == v.size) return from;
+    const Node& p = ir_.nodes[*from];
+    if (p.op != Opcode::Mul || literal_factor(p) < 0) return std::nullopt;
+    return from;
+  }
+
+  int literal_factor(const Node& product) const {
+    return all_numbers(product.src[1]) ? 1 : all_numbers(product.src[0]) ? 0 : -1;
+  }
+
+  // Factor `which` of a product, lane by lane as `v` reads it; lanes of v that are 0 read 0 times the first
+  // other lane.
+  Lanes factor(const Lanes& v, NodeId product, int which, bool carry_sign) {
+    Ref present = v[0];
+    for (Ref r : v)
+      if (r.node == product) {
+        present = r;
+        break;
+      }
+    Lanes result;
+    for (Ref r : v) {
+      const bool zero = r.node != product;
+      Ref x = ir_.nodes[product].src[static_cast<std::size_t>(which)][zero ? present.lane : r.lane];
+      if (zero && which == literal_factor(ir_.nodes[product])) {
+        result.push(constant(0));
+        continue;
+      }
+      if (carry_sign && (zero ? present : r).negate) x = -x;
+      result.push(x);
+    }
+    return result;
+  }
+
   bool fuse_sum(NodeId id) {
     if (!is_instruction(node(id)) || node(id).sink != Sink::Value || node(id).op != Opcode::Add) return false;
     int best = -1;
+    NodeId producer = 0;
     for (int k = 0; k < 2; ++k) {
-      const auto from = sole_producer(node(id).src[static_cast<std::size_t>(k)]);
+      const auto from = sole_product_or_zero(node(id).src[static_cast<std::size_t>(k)]);
       if (!from || reads_variable_of_other_loop(*from, id)) continue;
       const Node& p = node(*from);
       const bool product = p.op == Opcode::Mul;
       const bool dot2 = p.op == Opcode::Dp2Add && node(id).width == 1 && number(p.src[2][0]) == 0.0;
       if (!product && !dot2) continue;
-      if (best >= 0 && position_[*from] < position_[node(id).src[static_cast<std::size_t>(best)][0].node])
-        continue;
+      if (best >= 0 && position_[*from] < position_[producer]) continue;
       best = k;
+      producer = *from;
     }
     if (best < 0) return false;
     Node& sum = node(id);
     const Lanes v = sum.src[static_cast<std::size_t>(best)],
                 other = sum.src[static_cast<std::size_t>(1 - best)];
-    const NodeId from = v[0].node;
+    const NodeId from = producer;
     if (node(from).op == Opcode::Mul) {
-      sum.op = Opcode::Mad;
-      const Lanes a = through(v, from, 0, true), b = through(v, from, 1, false);
-      sum.src = {a, b, other};
+      const Lanes a = factor(v, from, 0, true), b = factor(v, from, 1, false);
+      Node& mad = node(id);  // a constant may have been added
+      mad.op = Opcode::Mad;
+      mad.src = {a, b, other};
     } else {
       Lanes a = node(from).src[0];
       if (v[0].negate) a = negated(a);
@@ -222,6 +267,25 @@ class Simplifier {
       sum.src = {a, node(from).src[1], other};
     }
     return true;
+  }
+
+  // x + 0 among other sums: what did not become a multiply-add would need its 0 in a register of values.
+  bool release_zeros(NodeId id) {
+    const Node& n = node(id);
+    if (!is_instruction(n) || n.sink != Sink::Value || n.op != Opcode::Add || n.saturate) return false;
+    bool changed = false;
+    for (std::size_t s = 0; s < 2; ++s) {
+      if (all_numbers(n.src[s])) continue;
+      for (std::uint8_t i = 0; i < n.width; ++i) {
+        if (number(n.src[s][i]) != 0.0) continue;
+        const Ref kept = n.src[1 - s][i];
+        if (ir_.nodes[kept.node].kind == NodeKind::Variable || ir_.nodes[kept.node].kind == NodeKind::Counter)
+          continue;  // it may change before the sum is read
+        replaced_[{id, i}] = kept;
+        changed = true;
+      }
+    }
+    return changed;
   }
 
   bool fuse_saturate(NodeId id) {
