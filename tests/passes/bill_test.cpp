@@ -2,7 +2,9 @@
 
 #include <numeric>
 
+#include "platform/console/platform_file.hpp"
 #include "platform/host/parallel.hpp"
+#include "scenes/catalogue.hpp"
 #include "scenes/loader.hpp"
 #include "shading/passes/frame.hpp"
 #include "shading/passes/inspect.hpp"
@@ -46,19 +48,20 @@ void expect_sums(const Frame& frame, const std::string& what) {
 }
 
 TEST(Bill, PixelsSumToPassesOnEverySceneAndPlatform) {
-  for (const char* name : {"material_wall", "beach_hut", "grazing_floor", "overdraw_stress"})
-    for (const char* platform : {"xenos", "rsx"}) {
-      FrameOptions options = small(117, 83);  // odd: helper lanes beyond the picture are charged too
-      options.platform = platform;
-      options.pipeline = Pipeline::Deferred;
-      expect_sums(render_frame(test::sample_scene(name), options),
-                  std::string(name) + " deferred on " + platform);
-      options.pipeline = Pipeline::Forward;
-      expect_sums(render_frame(test::sample_scene(name), options), std::string(name) + " on " + platform);
-      options.tonemap = Tonemap::Filmic;
-      expect_sums(render_frame(test::sample_scene(name), options),
-                  std::string(name) + " with a resolve pass");
-    }
+  int frames = 0;
+  for (const scenes::SampleScene& sample : scenes::sample_scenes())
+    for (const console::PlatformEntry& platform : console::builtin_platforms())
+      for (const char* settings :
+           {"", "pipeline=deferred", "msaa=4,tonemap=filmic", "msaa=4,pipeline=deferred,lights=rig:2"}) {
+        FrameOptions options = small(57, 43);  // odd: helper lanes beyond the picture are charged too
+        options.platform = platform.id;
+        if (*settings != '\0') set_options(options, settings);
+        const std::string name(sample.name);
+        expect_sums(render_frame(test::sample_scene(name), options),
+                    name + " on " + options.platform + " with '" + settings + "'");
+        ++frames;
+      }
+  EXPECT_GE(frames, 5 * 7 * 4);
 }
 
 TEST(Bill, ShadersThatBranchOnDataAreBilledAsExecuted) {
