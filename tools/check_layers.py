@@ -82,7 +82,7 @@ THIRD_PARTY = {
 }
 
 # The operating system is part of the machine we run on.
-SYSTEM = {"dlfcn.h", "fcntl.h", "cpuid.h", "fnmatch.h", "pthread.h", "pty.h", "sched.h", "signal.h", "stdlib.h", "termios.h", "unistd.h"}
+SYSTEM = {"dlfcn.h", "elf.h", "link.h", "fcntl.h", "cpuid.h", "fnmatch.h", "pthread.h", "pty.h", "sched.h", "signal.h", "stdlib.h", "termios.h", "unistd.h"}
 SYSTEM_FILES = ["platform/host/*", *OUTSIDE]
 
 STANDARD = set("""

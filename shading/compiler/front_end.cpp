@@ -2,6 +2,7 @@
 
 #include "platform/host/error.hpp"
 #include "shading/compiler/diagnostics.hpp"
+#include "shading/compiler/include_search.hpp"
 #include "shading/compiler/limits.hpp"
 #include "shading/compiler/macro_size.hpp"
 #include "shading/compiler/module_size.hpp"
@@ -14,12 +15,9 @@
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/SPIRV/SpvTools.h>
 
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <sstream>
 
 namespace aluminate::compiler {
 namespace {
@@ -31,19 +29,11 @@ void initialise_glslang() {
   std::call_once(once, [] { glslang::InitializeProcess(); });
 }
 
-// Resolves #include against the including file's folder, the source's folder and the include directories, in
-// this order.
+// Hands glslang what find_include() finds, and keeps the texts for the error messages.
 class Includer final : public glslang::TShader::Includer {
  public:
-  Includer(std::filesystem::path source_folder, const Options& options, std::set<std::string>& registers,
-           MacroSize& macros, std::size_t bytes)
-      : options_(options),
-        source_folder_(std::move(source_folder)),
-        registers_(registers),
-        macros_(macros),
-        bytes_(bytes) {
-    for (const std::string& d : options.include_dirs) dirs_.emplace_back(d);
-  }
+  Includer(const Options& options, std::set<std::string>& registers, MacroSize& macros, std::size_t bytes)
+      : options_(options), registers_(registers), macros_(macros), bytes_(bytes) {}
 
   IncludeResult* includeLocal(const char* name, const char* includer, std::size_t depth) override {
     return resolve(name, includer, depth, true);
@@ -76,31 +66,12 @@ class Includer final : public glslang::TShader::Includer {
                          bool local) {
     if (depth > kMaxIncludeDepth)
       return failure(fmt::format("#include nested deeper than {}", kMaxIncludeDepth));
-    const auto in_memory = options_.files.find(name);
-    const bool from_memory = includer.empty() || includer == options_.source_path
-                                 ? options_.source.has_value()
-                                 : options_.files.contains(includer);
-    if (from_memory && in_memory != options_.files.end()) return found(name, in_memory->second);
-    std::vector<std::filesystem::path> folders;
-    if (local && !includer.empty()) folders.push_back(std::filesystem::path(includer).parent_path());
-    folders.push_back(source_folder_);
-    folders.insert(folders.end(), dirs_.begin(), dirs_.end());
-    for (const auto& folder : folders) {
-      const std::filesystem::path path = folder.empty() ? std::filesystem::path(name) : folder / name;
-      std::error_code ignored;
-      if (!std::filesystem::is_regular_file(path, ignored)) continue;
-      std::ifstream in(path, std::ios::binary);
-      std::ostringstream content;
-      content << in.rdbuf();
-      return found(path.string(), std::move(content).str());
-    }
-    if (in_memory != options_.files.end()) return found(name, in_memory->second);
+    if (auto file = find_include(options_, name, includer, local))
+      return found(file->name, std::move(file->text));
     return local ? nullptr : failure(fmt::format("cannot find include file '{}'", name));
   }
 
   const Options& options_;
-  std::filesystem::path source_folder_;
-  std::vector<std::filesystem::path> dirs_;
   std::map<std::string, std::string> texts_;
   std::vector<std::unique_ptr<std::string>> messages_;
   std::set<std::string>& registers_;
@@ -175,8 +146,7 @@ FrontEndResult run_front_end(const Options& options, Language language, const st
   MacroSize macros;
   macros.add(preamble, file);
   macros.add(text, file);
-  Includer includer(std::filesystem::path(file).parent_path(), options, result.explicit_registers, macros,
-                    text.size());
+  Includer includer(options, result.explicit_registers, macros, text.size());
   const auto texts = [&](const std::string& name) -> const std::string* {
     if (name == file) return &text;
     const auto it = includer.texts().find(name);

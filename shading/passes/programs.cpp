@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "shading/compiler/compile.hpp"
+#include "shading/compiler/program_cache.hpp"
 #include "shading/programs/shipped.hpp"
 #include "shading/vm/jit/tier.hpp"
 
@@ -138,7 +138,7 @@ vm::Program compile_pixel(const FrameOptions& options, const SurfaceFeatures& fe
   c.defines = features.defines();
   add_frame_defines(options, lights, rolled, c);
   add_user_defines(options, c);
-  vm::Program program = compiler::compile(c);
+  vm::Program program = compiler::compile_kept(c);
   program.name = fmt::format("{} [{}] {}", program.name, features.label(), lights_text(lights.count));
   return program;
 }
@@ -150,7 +150,7 @@ vm::Program compile_gbuffer_fill(const FrameOptions& options, const SurfaceFeatu
   c.defines = features.defines();
   if (emissive) c.defines.emplace_back("GBUFFER_EMISSIVE", "1");
   add_user_defines(options, c);
-  vm::Program program = compiler::compile(c);
+  vm::Program program = compiler::compile_kept(c);
   program.name = fmt::format("{} [{}]", program.name, features.label());
   return program;
 }
@@ -159,7 +159,7 @@ vm::Program compile_shadow_caster(const SurfaceFeatures& features) {
   compiler::Options c = programs::shipped("shadow_caster.hlsl");
   c.stage = vm::Stage::Pixel;
   c.defines = features.defines();
-  return compiler::compile(c);
+  return compiler::compile_kept(c);
 }
 
 vm::Program compile_deferred_light(const FrameOptions& options, const LightGroup& group) {
@@ -170,7 +170,7 @@ vm::Program compile_deferred_light(const FrameOptions& options, const LightGroup
   if (group.accumulate) c.defines.emplace_back("ACCUMULATE", "1");
   if (group.orthographic) c.defines.emplace_back("ORTHOGRAPHIC", "1");
   add_user_defines(options, c);
-  vm::Program program = compiler::compile(c);
+  vm::Program program = compiler::compile_kept(c);
   program.name =
       fmt::format("{} {}{}", program.name, group.ambient ? "ambient, " : "", lights_text(group.lights.count));
   return program;
@@ -180,34 +180,34 @@ vm::Program compile_vertex(const SurfaceFeatures& features) {
   compiler::Options c = programs::shipped("transform.hlsl");
   c.stage = vm::Stage::Vertex;
   c.defines = features.defines();
-  return compiler::compile(c);
+  return compiler::compile_kept(c);
 }
 
 vm::Program compile_dome(const FrameOptions& options) {
   compiler::Options c = programs::shipped("dome.hlsl");
   if (options.polarizer != glm::dvec3(1.0)) c.defines.emplace_back("POLARIZER", "1");
   add_user_defines(options, c);
-  return compiler::compile(c);
+  return compiler::compile_kept(c);
 }
 
 vm::Program compile_dome_vertex(bool orthographic) {
   compiler::Options c = programs::shipped("dome_vertex.hlsl");
   c.stage = vm::Stage::Vertex;
   if (orthographic) c.defines.emplace_back("ORTHOGRAPHIC", "1");
-  return compiler::compile(c);
+  return compiler::compile_kept(c);
 }
 
 vm::Program compile_tonemap(Tonemap tonemap) {
   compiler::Options c = programs::shipped("tonemap.hlsl");
   c.defines.emplace_back("TONEMAP", fmt::format("{}", static_cast<int>(tonemap)));
-  return compiler::compile(c);
+  return compiler::compile_kept(c);
 }
 
 vm::Program compile_eval_brdf(brdf::Visibility visibility, brdf::Fresnel fresnel) {
   compiler::Options c = programs::shipped("eval_brdf.hlsl");
   c.defines.emplace_back("VISIBILITY", fmt::format("{}", static_cast<int>(visibility)));
   c.defines.emplace_back("FRESNEL", fmt::format("{}", static_cast<int>(fresnel)));
-  return compiler::compile(c);
+  return compiler::compile_kept(c);
 }
 
 }  // namespace aluminate::passes

@@ -9,7 +9,7 @@
 #include "platform/host/error.hpp"
 #include "platform/host/parallel.hpp"
 #include "platform/host/suggest.hpp"
-#include "shading/compiler/compile.hpp"
+#include "shading/compiler/program_cache.hpp"
 #include "shading/cost/static_cost.hpp"
 #include "shading/passes/programs.hpp"
 #include "shading/programs/shipped.hpp"
@@ -41,7 +41,7 @@ cost::StaticCost price_file(const std::string& path, const CostRequest& request,
   programs::add_shipped_includes(options);
   if (request.options.light_loop == passes::LightLoop::Rolled) options.loops = compiler::LoopMode::Rolled;
   if (request.options.light_loop == passes::LightLoop::Unrolled) options.loops = compiler::LoopMode::Unrolled;
-  const vm::Program program = compiler::compile(options);
+  const vm::Program program = compiler::compile_kept(options);
   cost::StaticCost price = cost::price(program, gpu, request.assumptions);
   for (const vm::Instruction& instruction : program.code)
     if (instruction.op == vm::Opcode::Loop) {
