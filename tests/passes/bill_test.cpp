@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "platform/console/platform_file.hpp"
+#include "platform/host/error.hpp"
 #include "platform/host/parallel.hpp"
 #include "scenes/catalogue.hpp"
 #include "scenes/loader.hpp"
@@ -48,20 +49,26 @@ void expect_sums(const Frame& frame, const std::string& what) {
 }
 
 TEST(Bill, PixelsSumToPassesOnEverySceneAndPlatform) {
-  int frames = 0;
+  int frames = 0, refused = 0;
   for (const scenes::SampleScene& sample : scenes::sample_scenes())
     for (const console::PlatformEntry& platform : console::builtin_platforms())
       for (const char* settings :
-           {"", "pipeline=deferred", "msaa=4,tonemap=filmic", "msaa=4,pipeline=deferred,lights=rig:2"}) {
+           {"", "pipeline=deferred", "msaa=4,tonemap=filmic", "pipeline=deferred,lights=lamps:6,tonemap=filmic"}) {
         FrameOptions options = small(57, 43);  // odd: helper lanes beyond the picture are charged too
         options.platform = platform.id;
         if (*settings != '\0') set_options(options, settings);
-        const std::string name(sample.name);
-        expect_sums(render_frame(test::sample_scene(name), options),
-                    name + " on " + options.platform + " with '" + settings + "'");
-        ++frames;
+        const std::string name(sample.name), what = name + " on " + options.platform + " with '" + settings + "'";
+        try {
+          expect_sums(render_frame(test::sample_scene(name), options), what);
+          ++frames;
+        } catch (const UserError& error) {  // six registers a thread do not hold a lit surface
+          EXPECT_EQ(options.platform, "mali-400") << what << ": " << error.what();
+          EXPECT_NE(std::string(error.what()).find("registers"), std::string::npos) << error.what();
+          ++refused;
+        }
       }
-  EXPECT_GE(frames, 5 * 7 * 4);
+  EXPECT_GE(frames, 5 * 6 * 4);
+  EXPECT_GE(refused, 1);
 }
 
 TEST(Bill, ShadersThatBranchOnDataAreBilledAsExecuted) {
