@@ -184,24 +184,16 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
     return std::clamp(at, 0, size - 1);
   };
   const std::ptrdiff_t stride = w + 2 * kBorder;
-  host::UninitializedVector<float> level(static_cast<std::size_t>(stride) *
-                                         static_cast<std::size_t>(h + 2 * kBorder));
   const std::array<std::vector<float>, 3> levels = levels_by_code(mosaic);
-  host::parallel_for(
-      h + 2 * kBorder,
-      [&](std::int64_t row) {
-        const int y = mirrored(static_cast<int>(row) - kBorder, h);
-        const std::uint16_t* from =
-            mosaic.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
-        float* to = level.data() + row * stride;
-        const float* const of_column[2] = {levels[colour_at(0, y)].data(), levels[colour_at(1, y)].data()};
-        for (int x = 0; x < w; ++x) to[x + kBorder] = of_column[x & 1][from[x]];
-        for (const int column : {0, 1, w + 2, w + 3}) {
-          const int x = mirrored(column - kBorder, w);
-          to[column] = of_column[x & 1][from[x]];
-        }
-      },
-      16);
+  const auto put_levels = [&](int y, float* to) {
+    const std::uint16_t* from = mosaic.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
+    const float* const of_column[2] = {levels[colour_at(0, y)].data(), levels[colour_at(1, y)].data()};
+    for (int x = 0; x < w; ++x) to[x + kBorder] = of_column[x & 1][from[x]];
+    for (const int column : {0, 1, w + 2, w + 3}) {
+      const int x = mirrored(column - kBorder, w);
+      to[column] = of_column[x & 1][from[x]];
+    }
+  };
 
   Photo photo;
   photo.width = w;
@@ -210,15 +202,18 @@ Photo demosaic(const Mosaic& mosaic, const std::string& kind) {
   // 0.5 % below full: interpolation mixes full pixels with others.
   for (std::size_t c = 0; c < 3; ++c) photo.clip_high[c] = 0.995 * mosaic.multipliers[c];
   photo.rgb_lin.resize(mosaic.samples.size() * 3);
-  host::parallel_for(
-      h,
-      [&](std::int64_t row) {
-        const int y = static_cast<int>(row), green_x = colour_at(0, y) == 1 ? 0 : 1;
-        interpolate_row(level.data() + (row + kBorder) * stride + kBorder, stride, w, green_x,
-                        colour_at(1 - green_x, y),
-                        photo.rgb_lin.data() + 3 * static_cast<std::size_t>(row) * static_cast<std::size_t>(w));
-      },
-      8);
+  constexpr int kBandRows = 32;  // its levels stay in the second-level cache
+  host::parallel_for((h + kBandRows - 1) / kBandRows, [&](std::int64_t band) {
+    const int begin = static_cast<int>(band) * kBandRows, end = std::min(begin + kBandRows, h);
+    host::UninitializedVector<float> level(static_cast<std::size_t>(stride) * (kBandRows + 2 * kBorder));
+    for (int row = begin - kBorder; row < end + kBorder; ++row)
+      put_levels(mirrored(row, h), level.data() + (row - begin + kBorder) * stride);
+    for (int y = begin; y < end; ++y) {
+      const int green_x = colour_at(0, y) == 1 ? 0 : 1;
+      interpolate_row(level.data() + (y - begin + kBorder) * stride + kBorder, stride, w, green_x, colour_at(1 - green_x, y),
+                      photo.rgb_lin.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(w));
+    }
+  });
   apply_orientation(photo, mosaic.orientation);
   return photo;
 }
