@@ -37,29 +37,35 @@ std::vector<Need> needs_of(const Graph& graph, const PairRules& rules, const Cha
   return needs;
 }
 
-/// Words that operations with these heads and tails fill. Proof of the second form: a word that writes an
+/// Words that a set of operations fills, added one by one. Proof of the second form: a word that writes an
 /// export holds nothing else but effects, and only one export register. So words of each export register and
 /// words of the values are different words; effects that can share are left out of the count, which can only
 /// lower it. No movs stands beside an export, so a two-slot export takes one half there.
-int words_between(const std::vector<Need>& needs, int head, int tail) {
-  HalfCount all, values;
-  std::map<int, HalfCount> exports;
-  for (const Need& need : needs) {
-    if (need.head < head || need.tail < tail) continue;
-    all.add(need.slots);
+class WordCount {
+ public:
+  explicit WordCount(bool open_front) : open_front_(open_front) {}
+  void add(const Need& need) {
+    all_.add(need.slots);
     if (need.output >= 0) {
       SlotChoice slots = need.slots;
       slots.two_slots = false;
       slots.scalar = slots.scalar || need.slots.two_slots;
-      exports[need.output].add(slots);
+      exports_[need.output].add(slots);
     } else if (!need.effect || need.slots.alone) {
-      values.add(need.slots);
+      values_.add(need.slots);
     }
   }
-  int apart = values.words(head > 0);
-  for (const auto& [output, classes] : exports) apart += classes.words(false);
-  return std::max(apart, all.words(head > 0));
-}
+  int words() const {
+    int apart = values_.words(open_front_);
+    for (const auto& [output, classes] : exports_) apart += classes.words(false);
+    return std::max(apart, all_.words(open_front_));
+  }
+
+ private:
+  bool open_front_;
+  HalfCount all_, values_;
+  std::map<int, HalfCount> exports_;
+};
 
 /// Bit rows: [n] holds what n depends on, directly or not, through results.
 class Reach {
@@ -156,11 +162,21 @@ int window_bound_words(const Graph& graph, const PairRules& rules, const std::ve
   // An operation with `head` words before it and `tail` words after it issues in between; so does every other
   // operation with as many.
   const ChainLengths lengths = chain_lengths(graph, member);
-  const std::vector<Need> needs = needs_of(graph, rules, lengths, member);
+  std::vector<std::vector<Need>> by_tail(static_cast<std::size_t>(lengths.longest));
+  for (const Need& need : needs_of(graph, rules, lengths, member)) by_tail[static_cast<std::size_t>(need.tail)].push_back(need);
   int bound = lengths.longest;
-  for (int head = 0; head < lengths.longest; ++head)
-    for (int tail = 0; head + tail < lengths.longest; ++tail)
-      bound = std::max(bound, head + tail + words_between(needs, head, tail));
+  for (int head = 0; head < lengths.longest; ++head) {
+    WordCount between(head > 0);
+    for (int tail = lengths.longest - 1; tail >= 0; --tail) {
+      bool more = false;
+      for (const Need& need : by_tail[static_cast<std::size_t>(tail)]) {
+        if (need.head < head) continue;
+        between.add(need);
+        more = true;
+      }
+      if (more) bound = std::max(bound, head + tail + between.words());
+    }
+  }
   return bound;
 }
 
@@ -171,6 +187,7 @@ int pairing_bound_words(const Graph& graph, const PairRules& rules, int bound,
   std::vector<int> operations;
   for (std::size_t n = 0; n < graph.nodes.size(); ++n)
     if (belongs(graph, n, member)) operations.push_back(static_cast<int>(n));
+  if (operations.size() > kMostPaired) return bound;
   const int count = static_cast<int>(operations.size());
   // Proof: were there a schedule of `length` words, each operation would stand in [depth - 1, length -
   // height]. A word holds one operation or two, so it has at least count - pairs words; its pairs share a

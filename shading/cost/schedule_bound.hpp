@@ -30,6 +30,8 @@ int window_bound_words(const Graph& graph, const PairRules& rules, const std::ve
 
 /// The least length of at least `bound` (itself a bound) whose operations could still be paired off: each
 /// operation only within the words its chain leaves it, only with a partner the machine allows beside it.
+/// `bound` itself for more than kMostPaired operations: matching takes the cube of their number.
+inline constexpr std::size_t kMostPaired = 400;
 int pairing_bound_words(const Graph& graph, const PairRules& rules, int bound,
                         const std::vector<bool>* member = nullptr);
 
