@@ -76,9 +76,19 @@ OIIO::ImageSpec reading_hints() {
   return hints;
 }
 
+// Photographs take seconds on one thread. Small images are read and written by workers that run side by side already.
+// The result is the same on any number. OpenEXR looks when a file is opened, before it knows the size.
+void allow_threads(bool is_large) {
+  const int threads = is_large ? 0 : 1;  // 0: one per core
+  OIIO::attribute("threads", threads);
+  OIIO::attribute("exr_threads", threads);
+}
+
 Reader* open(const char* format, const std::uint8_t* bytes, std::size_t count, Facts* facts, Failure* failure) {
   std::unique_ptr<Reader> reader;
   const bool good = guarded(failure, [&] {
+    constexpr std::size_t kLargeBytes = std::size_t{4} << 20;
+    allow_threads(count >= kLargeBytes);
     reader = std::make_unique<Reader>(bytes, count);
     reader->input = OIIO::ImageInput::create(format);
     if (!reader->input) return set(failure, std::string("this OpenImageIO cannot read ") + format);
@@ -101,16 +111,16 @@ const char* channel_name(const Reader* reader, int channel) {
   return channel < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(channel)].c_str() : "";
 }
 
-// The whole image in its stored types, channels interleaved. False also when the data ends early.
-bool read_stored(Reader* reader, std::uint8_t* stored, Failure* failure) {
-  if (reader->input->read_image(0, 0, 0, -1, OIIO::TypeUnknown, stored) && !reader->input->has_error()) return true;
+// The whole image, channels interleaved; TypeUnknown: each in the type it is stored in. False also when the data ends early.
+bool read_as(Reader* reader, OIIO::TypeDesc type, std::uint8_t* to, Failure* failure) {
+  if (reader->input->read_image(0, 0, 0, -1, type, to) && !reader->input->has_error()) return true;
   const std::string reason = reader->input->geterror();
   return set(failure, reason.empty() ? "the data is truncated or corrupt" : reason);
 }
 
 bool read_stored(Reader* reader, std::vector<std::uint8_t>& stored, Failure* failure) {
   stored.resize(static_cast<std::size_t>(reader->input->spec().image_bytes(true)));
-  return read_stored(reader, stored.data(), failure);
+  return read_as(reader, OIIO::TypeUnknown, stored.data(), failure);
 }
 
 template <class Value>
@@ -154,8 +164,14 @@ bool read_rgba8(Reader* reader, std::uint8_t* rgba, Failure* failure) {
   });
 }
 
+bool is_float(OIIO::TypeDesc type) { return type == OIIO::TypeFloat || type == OIIO::TypeHalf; }
+
 bool read_float(Reader* reader, float* values, Failure* failure) {
   return guarded(failure, [&] {
+    const OIIO::ImageSpec& own = reader->input->spec();
+    bool all_float = true;
+    for (int channel = 0; channel < own.nchannels; ++channel) all_float = all_float && is_float(channel_type(own, channel));
+    if (all_float) return read_as(reader, OIIO::TypeFloat, reinterpret_cast<std::uint8_t*>(values), failure);
     std::vector<std::uint8_t> stored;
     if (!read_stored(reader, stored, failure)) return false;
     const OIIO::ImageSpec& spec = reader->input->spec();
@@ -176,7 +192,7 @@ bool read_float(Reader* reader, float* values, Failure* failure) {
 bool read_codes(Reader* reader, std::uint8_t* codes, Failure* failure) {
   return guarded(failure, [&] {
     if (!reader->input->spec().channelformats.empty()) return set(failure, "its channels are of several types");
-    return read_stored(reader, codes, failure);
+    return read_as(reader, OIIO::TypeUnknown, codes, failure);
   });
 }
 
@@ -226,11 +242,8 @@ bool encode_exr(int width, int height, const Layer* layers, std::size_t layer_co
                                                              : OIIO::TypeFloat);
   }
   spec.attribute("compression", "zip");
-  // Photographs compress for seconds on one thread; the bytes are the same on any number. Small ones are written by
-  // workers that run side by side already.
-  constexpr std::size_t kLargeTexels = std::size_t{1} << 21;
-  const bool is_large = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) >= kLargeTexels;
-  OIIO::attribute("exr_threads", is_large ? 0 : 1);  // 0: one per core
+  constexpr std::uint64_t kLargeTexels = std::uint64_t{1} << 21;
+  allow_threads(spec.image_pixels() >= kLargeTexels);
   spec.attribute("DateTime", kNoDate);  // left unset, the writer stores the time of day
   add_metadata(spec, metadata, metadata_count);
   return encode("openexr", spec, sink, context, failure, [&](OIIO::ImageOutput& output) {
@@ -276,9 +289,6 @@ bool draw_text(int width, int height, std::uint8_t* coverage, int x, int y, cons
 extern "C" __attribute__((visibility("default"))) const aluminate::host::image_module::Interface*
 aluminate_image_module() {
   namespace module = aluminate::host::image_module;
-  // Calls already come from several workers: the library's own pool would only add threads nobody asked for.
-  OIIO::attribute("threads", 1);
-  OIIO::attribute("exr_threads", 1);
   static const module::Interface interface {
     module::kInterfaceVersion, module::open, module::channel_name, module::read_rgba8, module::read_float,
         module::read_codes, module::close, module::encode_exr, module::text_box, module::draw_text
