@@ -39,7 +39,7 @@ class Native {
   Native(std::span<const std::uint8_t> code, const Description& description) : code_(code), description_(description) {}
 
   const Description& description() const { return description_; }
-  NativeFunction function() const { return reinterpret_cast<NativeFunction>(code_.entry()); }
+  NativeFunction function() const { return reinterpret_cast<NativeFunction>(const_cast<void*>(code_.entry())); }
   std::size_t bytes() const { return code_.bytes(); }
 
  private:
